@@ -1,0 +1,98 @@
+"""The form to which every model comes: a semi-explicit DAE of index 1 with named, unit-carrying variables.
+
+    dx/dt = ode(t, x, z, u, p)
+        0 = alg(t, x, z, u, p)       d alg / d z regular
+        y = out(t, x, z, u, p)       outputs: what others may connect to
+        w = obs(t, x, z, u, p)       observables: everything else worth plotting
+
+Diagrams compile to it, rigid-body cranes and vessels are written in it, and the C core, the FMU export and the
+linearisation start from it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import casadi as ca
+
+from ..errors import Problem, StructureError
+from ..units import UNITS, display
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A scalar variable of a model.
+
+    `start` is the default value of a parameter or input and the initial value of a state; `nominal` is the typical
+    magnitude, which scales the solver's absolute tolerance. Both are SI, in `unit`.
+    """
+
+    name: str
+    unit: str = "1"
+    start: float = 0.0
+    nominal: float = 1.0
+    minimum: float = -math.inf
+    maximum: float = math.inf
+    about: str = ""
+    shown: str = ""
+
+    @property
+    def display_unit(self) -> str:
+        return self.shown or display(self.unit)
+
+
+@dataclass(frozen=True)
+class Dae:
+    """A model as equations: variables, their CasADi symbols (column vectors in the same order) and expressions."""
+
+    name: str
+    states: tuple[Variable, ...]
+    algebraics: tuple[Variable, ...]
+    inputs: tuple[Variable, ...]
+    parameters: tuple[Variable, ...]
+    outputs: tuple[Variable, ...]
+    observables: tuple[Variable, ...]
+    t: Any
+    x: Any
+    z: Any
+    u: Any
+    p: Any
+    ode: Any
+    alg: Any
+    out: Any
+    obs: Any
+    about: str = ""
+    sources: tuple[str, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        problems = []
+        pairs = (
+            ("states", self.states, self.x),
+            ("algebraics", self.algebraics, self.z),
+            ("inputs", self.inputs, self.u),
+            ("parameters", self.parameters, self.p),
+            ("states", self.states, self.ode),
+            ("algebraics", self.algebraics, self.alg),
+            ("outputs", self.outputs, self.out),
+            ("observables", self.observables, self.obs),
+        )
+        for group, variables, vector in pairs:
+            if vector.numel() != len(variables):
+                problems.append(Problem(self.name, f"{len(variables)} {group}, but {vector.numel()} expressions"))
+        names = [v.name for v in self.variables]
+        problems += [Problem(n, "is the name of two variables") for n in sorted(set(names)) if names.count(n) > 1]
+        problems += [Problem(v.name, f"unknown unit {v.unit!r}") for v in self.variables if v.unit not in UNITS]
+        if problems:
+            raise StructureError(problems)
+
+    @property
+    def variables(self) -> tuple[Variable, ...]:
+        """All variables, in the order states, algebraics, inputs, parameters, outputs, observables."""
+        return self.states + self.algebraics + self.inputs + self.parameters + self.outputs + self.observables
+
+
+def column(*expressions: Any) -> Any:
+    """A dense CasADi column of the given expressions (an empty column for none)."""
+    return ca.densify(ca.vertcat(*expressions)) if expressions else ca.SX(0, 1)

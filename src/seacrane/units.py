@@ -12,7 +12,7 @@ import re
 from dataclasses import dataclass
 from typing import Annotated, Final, get_args
 
-from .errors import UnitError, nearest
+from seacrane.errors import UnitError, nearest
 
 # ---------------------------------------------------------------- constants: one engineering unit, in SI
 mm: Final = 1e-3

@@ -17,8 +17,8 @@ from typing import Any
 
 import casadi as ca
 
-from ..errors import Problem, StructureError
-from ..units import UNITS, display
+from seacrane.errors import Problem, StructureError
+from seacrane.units import UNITS, display
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,214 @@
+"""Components: parameters, ports and one law.
+
+A component is an *interface* (ports and the parameters every level needs) with *levels* behind it: sibling classes that
+write the law at different fidelity. Swapping a level never changes a connection.
+
+    class Orifice(Component):
+        diameter: Diameter = parameter("bore of the orifice", above=0)
+        ports = {"a": Hydraulic(), "b": Hydraulic()}
+
+    class SharpEdgedOrifice(Orifice, level="sharp-edged"):
+        def equations(self, m):
+            yield m.a.q, ...
+            yield m.a.q + m.b.q, 0
+
+`Orifice(diameter=10 * mm)` makes the first level declared, `Orifice(level="...", diameter=10 * mm)` another. An instance
+is frozen and holds SI floats, checked when it is made. While a diagram is compiled, `equations` runs on a twin of the
+instance whose parameters are CasADi symbols, so that every parameter stays tunable in the compiled model.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Final, get_type_hints
+
+from seacrane.errors import ParameterError, Problem, nearest
+from seacrane.units import UNITS, Quantity, quantity_of
+
+from .ports import Port
+
+_ROLE: Final = "seacrane.role"
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """What `parameter`, `shared`, `initial` and `option` say about a field."""
+
+    role: str
+    about: str
+    above: float | None = None
+    below: float | None = None
+    least: float | None = None
+    most: float | None = None
+
+    @property
+    def allowed(self) -> str:
+        """The bounds in words, in SI."""
+        parts = [
+            f"{relation} {bound:g}"
+            for relation, bound in (("above", self.above), (">=", self.least), ("below", self.below), ("<=", self.most))
+            if bound is not None
+        ]
+        return " and ".join(parts)
+
+    def admits(self, value: float) -> bool:
+        return (
+            (self.above is None or value > self.above)
+            and (self.below is None or value < self.below)
+            and (self.least is None or value >= self.least)
+            and (self.most is None or value <= self.most)
+        )
+
+
+def _field(declaration: Declaration, default: Any) -> Any:
+    metadata = {_ROLE: declaration}
+    if default is dataclasses.MISSING:
+        return dataclasses.field(metadata=metadata)
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+def parameter(
+    about: str,
+    *,
+    default: float | Any = dataclasses.MISSING,
+    above: float | None = None,
+    below: float | None = None,
+    least: float | None = None,
+    most: float | None = None,
+) -> Any:
+    """A number of the law, in the SI unit of its type. Without a default it must be given.
+
+    Give a default only to a value that is right nearly always.
+    """
+    return _field(Declaration("parameter", about, above, below, least, most), default)
+
+
+def shared(about: str, *, default: float, above: float | None = None, least: float | None = None) -> Any:
+    """A parameter that a whole diagram shares by its name (such as the density of the oil).
+
+    A value given to the component wins over the diagram's, which wins over `default`.
+    """
+    return _field(Declaration("shared", about, above=above, least=least), _Shared(default))
+
+
+def initial(about: str, *, default: float = 0.0, least: float | None = None, most: float | None = None) -> Any:
+    """A start value of a state. It stays a number: a compiled model starts a state by the state's own name."""
+    return _field(Declaration("initial", about, least=least, most=most), default)
+
+
+def option(about: str, *, default: Any = dataclasses.MISSING) -> Any:
+    """A choice that shapes the equations (a table, a name); it is not a number of the compiled model."""
+    return _field(Declaration("option", about), default)
+
+
+@dataclass(frozen=True)
+class _Shared:
+    """Marks a shared parameter left to the diagram, with the default of last resort."""
+
+    default: float
+
+
+REGISTRY: Final[list[type[Component]]] = []
+"""Every concrete component (each level), in order of definition: documentation and property tests walk over it."""
+
+
+class Component:
+    """Base of all components; see the module."""
+
+    ports: ClassVar[Mapping[str, Port]] = {}
+    level: ClassVar[str | None] = None
+    levels: ClassVar[dict[str, type[Component]]]
+    declarations: ClassVar[dict[str, tuple[Declaration, Quantity | None]]] = {}
+    sources: ClassVar[tuple[str, ...]] = ()
+
+    def __init_subclass__(cls, level: str | None = None, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        dataclass(init=False, frozen=True, kw_only=True, eq=True, repr=True)(cls)
+        if level is None:
+            cls.levels = {}
+        else:
+            cls.level = level
+            cls.levels[level] = cls  # the interface's own dictionary, inherited by the level
+        hints = get_type_hints(cls, vars(sys.modules[cls.__module__]), include_extras=True)
+        cls.declarations = {f.name: (f.metadata[_ROLE], quantity_of(hints[f.name])) for f in dataclasses.fields(cls)}
+        if "equations" in vars(cls):
+            REGISTRY.append(cls)
+
+    def __new__(cls, *, level: str | None = None, **_: Any) -> Component:
+        if cls.levels and cls.level is None:
+            if level is not None and level not in cls.levels:
+                raise ParameterError.at(
+                    cls.__name__,
+                    f"has no level {level!r}",
+                    allowed=", ".join(cls.levels),
+                    hint=nearest(level, cls.levels),
+                )
+            return object.__new__(cls.levels[level] if level else next(iter(cls.levels.values())))
+        if level is not None and level != cls.level:
+            raise ParameterError.at(cls.__name__, f"has no level {level!r}", allowed=str(cls.level))
+        return object.__new__(cls)
+
+    def __init__(self, *, level: str | None = None, **parameters: Any) -> None:
+        problems = []
+        known = type(self).declarations
+        for name in parameters:
+            if name not in known:
+                problems.append(Problem(self._place(name), "is not a parameter", hint=nearest(name, known)))
+        for field in dataclasses.fields(self):  # type: ignore[arg-type]
+            declaration, quantity = known[field.name]
+            if field.name not in parameters and field.default is dataclasses.MISSING:
+                unit = f" [{quantity.unit}]" if quantity else ""
+                problems.append(Problem(self._place(field.name), f"is missing: {declaration.about}{unit}"))
+                continue
+            value = parameters.get(field.name, field.default)
+            if declaration.role != "option" and not isinstance(value, _Shared):
+                problem = check_value(self._place(field.name), value, declaration, quantity)
+                if problem:
+                    problems.append(problem)
+            object.__setattr__(self, field.name, value)
+        if problems:
+            raise ParameterError(problems)
+
+    def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
+        """The law, as pairs (left, right); `m` is the `Equations` of this instance."""
+        raise NotImplementedError
+
+    def _place(self, name: str) -> str:
+        return f"{type(self).__name__}.{name}"
+
+
+def check_value(path: str, value: Any, declaration: Declaration, quantity: Quantity | None) -> Problem | None:
+    """The problem with a parameter's value, if there is one: not a number, not finite, out of bounds, a unit slip."""
+    unit = quantity.unit if quantity else "1"
+    if isinstance(value, bool) or not isinstance(value, (int, float)) and not hasattr(value, "__float__"):
+        return Problem(path, f"must be a number in {unit}: {declaration.about}", value)
+    number = float(value)
+    if not math.isfinite(number):
+        return Problem(path, f"must be a finite number in {unit}: {declaration.about}", value)
+    slip = quantity.slip(number) if quantity else None
+    if not declaration.admits(number):
+        shown = ""
+        if quantity and quantity.display != quantity.unit:
+            shown = f" = {number / UNITS[quantity.display].factor:g} {quantity.display}"
+        return Problem(path, f"{number:g} {unit}{shown} is out of range", None, f"{declaration.allowed} {unit}", slip)
+    if slip:
+        return Problem(path, f"{slip} It is: {declaration.about}")
+    return None
+
+
+def symbolic_twin(component: Component, symbols: Mapping[str, Any]) -> Component:
+    """A copy of `component` whose named fields are replaced by symbols, unchecked."""
+    twin = object.__new__(type(component))
+    for field in dataclasses.fields(component):  # type: ignore[arg-type]
+        object.__setattr__(twin, field.name, symbols.get(field.name, getattr(component, field.name)))
+    return twin
+
+
+def shared_default(component: Component, name: str) -> float | None:
+    """The default of a shared parameter left to the diagram, or None if the component was given its own value."""
+    value = getattr(component, name)
+    return value.default if isinstance(value, _Shared) else None

@@ -1,0 +1,108 @@
+"""Why a diagram has no solution, in one plain sentence per fault.
+
+The matching of equations to unknowns fails in two ways (Dulmage and Mendelsohn, Coverings of bipartite graphs, 1958).
+Equations left over: the unknowns they can reach are determined more than once. Unknowns left over: nothing determines
+them. The names of the components behind either set say where to look.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import casadi as ca
+
+from seacrane.errors import Problem
+from seacrane.numerics.graph import reachable
+
+if TYPE_CHECKING:
+    from .compile import Equation, Unknown
+    from .diagram import Diagram
+
+
+def explain(
+    diagram: Diagram,
+    equations: Sequence[Equation],
+    unknowns: Sequence[Unknown],
+    incidence: Sequence[Sequence[int]],
+    matched: Sequence[int],
+) -> list[Problem]:
+    """The problems behind an incomplete matching (`matched[i]` is the unknown of equation i, or -1)."""
+    return [
+        *_too_much(diagram, equations, unknowns, incidence, matched),
+        *_too_little(diagram, equations, unknowns, incidence, matched),
+    ]
+
+
+def _too_much(
+    diagram: Diagram,
+    equations: Sequence[Equation],
+    unknowns: Sequence[Unknown],
+    incidence: Sequence[Sequence[int]],
+    matched: Sequence[int],
+) -> Iterator[Problem]:
+    equation_of = {unknown: equation for equation, unknown in enumerate(matched) if unknown >= 0}
+    successors = [[equation_of[j] for j in row if j in equation_of] for row in incidence]
+    states = {u.state for u in unknowns if u.state is not None}
+    told: set[int] = set()
+    for left_over in (i for i, unknown in enumerate(matched) if unknown < 0):
+        if left_over in told:
+            continue
+        group = reachable(left_over, successors)
+        told |= group
+        places = _places(equations[i].origin for i in sorted(group))
+        quantities = sorted({unknowns[j].variable.name for i in group for j in incidence[i]})
+        tied = sorted({s.name() for i in group for s in ca.symvar(equations[i].residual)} & states)
+        if len(tied) > 1:
+            yield Problem(
+                diagram.name,
+                f"{' and '.join(tied)} are tied rigidly to each other, so only one of them can be a state"
+                f" (derivative causality at {places})",
+                hint="Put something yielding between them: a hose or orifice, a spring, or a shaft.",
+            )
+        elif tied:
+            yield Problem(
+                diagram.name,
+                f"{tied[0]} is a state, but its value is also prescribed (derivative causality at {places})",
+                hint="Put an orifice, hose or spring between the source and the store.",
+            )
+        else:
+            what = " and ".join(quantities[:4]) if quantities else "nothing that is unknown"
+            yield Problem(
+                diagram.name,
+                f"{places} determine {what} more than once",
+                hint="Two sources of the same kind on one node? Remove one, or put a resistance between them.",
+            )
+
+
+def _too_little(
+    diagram: Diagram,
+    equations: Sequence[Equation],
+    unknowns: Sequence[Unknown],
+    incidence: Sequence[Sequence[int]],
+    matched: Sequence[int],
+) -> Iterator[Problem]:
+    rows: list[list[int]] = [[] for _ in unknowns]
+    for i, row in enumerate(incidence):
+        for j in row:
+            rows[j].append(i)
+    successors = [[matched[i] for i in rows[j] if matched[i] >= 0] for j in range(len(unknowns))]
+    told: set[int] = set()
+    for left_over in sorted(set(range(len(unknowns))) - set(matched)):
+        if left_over in told:
+            continue
+        group = reachable(left_over, successors)
+        told |= group
+        names = sorted(unknowns[j].variable.name for j in group)
+        places = _places(equations[i].origin for j in sorted(group) for i in rows[j])
+        shown = " and ".join(names[:4]) + (", ..." if len(names) > 4 else "")
+        at = f" at {places}" if places else ""
+        yield Problem(
+            diagram.name,
+            f"nothing determines {shown}{at}",
+            hint="Add a store or a source there (a tank, a volume, a mass, a prescribed motion), or a missing equation.",
+        )
+
+
+def _places(origins: Iterator[str]) -> str:
+    return ", ".join(dict.fromkeys(origins))

@@ -1,0 +1,139 @@
+"""Diagrams: components by name, joined at their ports.
+
+A diagram is checked while it is built: a wrong port name, a wrong domain or a wrong unit is refused at once, by name.
+What the equations say together is checked when it is compiled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from seacrane.errors import Problem, StructureError, nearest
+from seacrane.units import compatible
+
+from .component import Component
+from .dae import Dae
+from .ports import Port, PowerPort, SignalIn, SignalOut
+
+
+class PortHandle:
+    """One port of one component of one diagram: what `connect` and `expose` take."""
+
+    __slots__ = ("diagram", "name", "owner", "port")
+
+    def __init__(self, diagram: Diagram, owner: str, name: str, port: Port) -> None:
+        self.diagram, self.owner, self.name, self.port = diagram, owner, name, port
+
+    @property
+    def path(self) -> str:
+        return f"{self.owner}.{self.name}"
+
+    def __repr__(self) -> str:
+        return f"<{type(self.port).__name__} port {self.path}>"
+
+
+class Part:
+    """A component placed in a diagram; its ports are its attributes."""
+
+    def __init__(self, diagram: Diagram, name: str, component: Component) -> None:
+        self._ports = {key: PortHandle(diagram, name, key, port) for key, port in type(component).ports.items()}
+        self._name = name
+        self.component: Final = component
+
+    def __getattr__(self, key: str) -> PortHandle:
+        ports: dict[str, PortHandle] = self.__dict__.get("_ports", {})
+        if key in ports:
+            return ports[key]
+        if key.startswith("__"):
+            raise AttributeError(key)
+        raise StructureError.at(self.__dict__.get("_name", "part"), f"has no port {key!r}", hint=nearest(key, ports))
+
+    def __iter__(self) -> Iterator[PortHandle]:
+        return iter(self._ports.values())
+
+
+class Diagram:
+    """Components and their connections; `compile()` turns it into equations.
+
+    Keyword arguments are values of shared parameters (`Diagram("drive", density=860.0)`), which every component
+    without a value of its own takes.
+    """
+
+    def __init__(self, name: str, **shared: float) -> None:
+        self.name: Final = name
+        self.shared: Final = shared
+        self.parts: Final[dict[str, Part]] = {}
+        self.connections: Final[list[tuple[PortHandle, ...]]] = []
+        self.exposed: Final[dict[str, PortHandle]] = {}
+
+    def add(self, name: str, component: Component) -> Part:
+        """Place a component under a name of its own."""
+        if name in self.parts:
+            raise StructureError.at(f"{self.name}.{name}", "is the name of a component already")
+        if not name or not name.replace("_", "").isalnum():
+            raise StructureError.at(self.name, f"{name!r} is no name for a component", allowed="letters, digits and _")
+        part = self.parts[name] = Part(self, name, component)
+        return part
+
+    def connect(self, *ports: PortHandle) -> None:
+        """Join ports at one node, or one signal output to signal inputs."""
+        problems = [*self._strangers(ports)]
+        if len(ports) < 2:
+            problems.append(Problem(self.name, "a connection needs at least two ports", [p.path for p in ports]))
+        if not problems:
+            problems += _mismatches(self.name, ports)
+        if problems:
+            raise StructureError(problems)
+        self.connections.append(ports)
+
+    def expose(self, **ports: PortHandle) -> None:
+        """Make ports part of the diagram's own interface, under plain names.
+
+        A signal input becomes an input, a signal output an output. A power port named `rod` takes its across variable
+        from outside (input `rod.v`) and gives its through variable (output `rod.F`, positive into the diagram).
+        """
+        problems = [*self._strangers(tuple(ports.values()))]
+        problems += [Problem(f"{self.name}.{n}", "is exposed already") for n in ports if n in self.exposed]
+        if problems:
+            raise StructureError(problems)
+        self.exposed.update(ports)
+
+    def compile(self) -> Dae:
+        """The equations of the diagram; `StructureError` says in plain words what has no solution."""
+        from .compile import compile_diagram
+
+        return compile_diagram(self)
+
+    def _strangers(self, ports: tuple[PortHandle, ...]) -> Iterator[Problem]:
+        for port in ports:
+            if not isinstance(port, PortHandle):
+                yield Problem(self.name, "takes ports, such as valve.a", port)
+            elif port.diagram is not self:
+                yield Problem(port.path, f"belongs to diagram {port.diagram.name!r}, not to {self.name!r}")
+
+
+def _mismatches(name: str, ports: tuple[PortHandle, ...]) -> Iterator[Problem]:
+    power = [p for p in ports if isinstance(p.port, PowerPort)]
+    if power and len(power) < len(ports):
+        listed = ", ".join(f"{p.path} ({_kind(p.port)})" for p in ports)
+        yield Problem(name, f"a signal cannot be joined to a power port: {listed}")
+        return
+    if power:
+        if len({p.port.domain for p in power}) > 1:  # type: ignore[union-attr]
+            listed = ", ".join(f"{p.path} ({_kind(p.port)})" for p in ports)
+            yield Problem(name, f"ports of different domains cannot be joined: {listed}")
+        return
+    outputs = [p for p in ports if isinstance(p.port, SignalOut)]
+    if len(outputs) != 1:
+        found = ", ".join(p.path for p in outputs) or "none"
+        yield Problem(name, f"a signal connection has one output and inputs; outputs here: {found}")
+        return
+    unit = outputs[0].port.unit  # type: ignore[union-attr]
+    for p in ports:
+        if isinstance(p.port, SignalIn) and not compatible(unit, p.port.unit):
+            yield Problem(p.path, f"takes a signal in {p.port.unit!r}, but {outputs[0].path} gives {unit!r}")
+
+
+def _kind(port: Port) -> str:
+    return port.domain if isinstance(port, PowerPort) else "signal"

@@ -228,7 +228,7 @@ def _power_node(
         path = f"{handle.path}.{port.across}"
         if outside or path != first:
             flat.observables[path] = (Variable(path, port.across_unit), symbol)
-    flows = []
+    flows: list[Any] = []
     for handle in node:
         path = f"{handle.path}.{port.through}"
         if len(node) == 2 and not outside and flows:

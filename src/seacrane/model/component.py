@@ -12,16 +12,15 @@ write the law at different fidelity. Swapping a level never changes a connection
             yield m.a.q, ...
             yield m.a.q + m.b.q, 0
 
-`Orifice(diameter=10 * mm)` makes the first level declared, `Orifice(level="...", diameter=10 * mm)` another. An instance
-is frozen and holds SI floats, checked when it is made. While a diagram is compiled, `equations` runs on a twin of the
-instance whose parameters are CasADi symbols, so that every parameter stays tunable in the compiled model.
+`Orifice(diameter=10 * mm)` makes the first level declared, `Orifice(level="...", diameter=10 * mm)` another. An
+instance is frozen and holds SI floats, checked when it is made. While a diagram is compiled, `equations` runs on a
+twin of the instance whose parameters are CasADi symbols, so that every parameter stays tunable in the compiled model.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
-import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Final, get_type_hints
@@ -112,6 +111,10 @@ class _Shared:
     default: float
 
 
+def _fields(cls: type[Any]) -> tuple[dataclasses.Field[Any], ...]:
+    return dataclasses.fields(cls)
+
+
 REGISTRY: Final[list[type[Component]]] = []
 """Every concrete component (each level), in order of definition: documentation and property tests walk over it."""
 
@@ -133,8 +136,8 @@ class Component:
         else:
             cls.level = level
             cls.levels[level] = cls  # the interface's own dictionary, inherited by the level
-        hints = get_type_hints(cls, vars(sys.modules[cls.__module__]), include_extras=True)
-        cls.declarations = {f.name: (f.metadata[_ROLE], quantity_of(hints[f.name])) for f in dataclasses.fields(cls)}
+        hints = get_type_hints(cls, include_extras=True)
+        cls.declarations = {f.name: (f.metadata[_ROLE], quantity_of(hints[f.name])) for f in _fields(cls)}
         if "equations" in vars(cls):
             REGISTRY.append(cls)
 
@@ -158,7 +161,7 @@ class Component:
         for name in parameters:
             if name not in known:
                 problems.append(Problem(self._place(name), "is not a parameter", hint=nearest(name, known)))
-        for field in dataclasses.fields(self):  # type: ignore[arg-type]
+        for field in _fields(type(self)):
             declaration, quantity = known[field.name]
             if field.name not in parameters and field.default is dataclasses.MISSING:
                 unit = f" [{quantity.unit}]" if quantity else ""
@@ -184,7 +187,7 @@ class Component:
 def check_value(path: str, value: Any, declaration: Declaration, quantity: Quantity | None) -> Problem | None:
     """The problem with a parameter's value, if there is one: not a number, not finite, out of bounds, a unit slip."""
     unit = quantity.unit if quantity else "1"
-    if isinstance(value, bool) or not isinstance(value, (int, float)) and not hasattr(value, "__float__"):
+    if isinstance(value, bool) or not hasattr(value, "__float__"):
         return Problem(path, f"must be a number in {unit}: {declaration.about}", value)
     number = float(value)
     if not math.isfinite(number):
@@ -203,7 +206,7 @@ def check_value(path: str, value: Any, declaration: Declaration, quantity: Quant
 def symbolic_twin(component: Component, symbols: Mapping[str, Any]) -> Component:
     """A copy of `component` whose named fields are replaced by symbols, unchecked."""
     twin = object.__new__(type(component))
-    for field in dataclasses.fields(component):  # type: ignore[arg-type]
+    for field in _fields(type(component)):
         object.__setattr__(twin, field.name, symbols.get(field.name, getattr(component, field.name)))
     return twin
 

@@ -28,10 +28,17 @@ def explain(
     matched: Sequence[int],
 ) -> list[Problem]:
     """The problems behind an incomplete matching (`matched[i]` is the unknown of equation i, or -1)."""
-    return [
-        *_too_much(diagram, equations, unknowns, incidence, matched),
-        *_too_little(diagram, equations, unknowns, incidence, matched),
-    ]
+    too_much = [*_too_much(diagram, equations, unknowns, incidence, matched)]
+    # What is determined twice leaves as many unknowns without an equation: those are its shadow, not further faults.
+    shadows = matched.count(-1) >= len(unknowns) - (len(matched) - matched.count(-1))
+    return (
+        too_much
+        if too_much and shadows
+        else [
+            *too_much,
+            *_too_little(diagram, equations, unknowns, incidence, matched),
+        ]
+    )
 
 
 def _too_much(
@@ -100,7 +107,7 @@ def _too_little(
         yield Problem(
             diagram.name,
             f"nothing determines {shown}{at}",
-            hint="Add a store or a source there (a tank, a volume, a mass, a prescribed motion), or a missing equation.",
+            hint="Add a store or a source there (a tank, volume, mass or prescribed motion), or an equation.",
         )
 
 

@@ -105,7 +105,7 @@ class Diagram:
 
         return compile_diagram(self)
 
-    def _strangers(self, ports: tuple[PortHandle, ...]) -> Iterator[Problem]:
+    def _strangers(self, ports: tuple[object, ...]) -> Iterator[Problem]:
         for port in ports:
             if not isinstance(port, PortHandle):
                 yield Problem(self.name, "takes ports, such as valve.a", port)

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
+import numpy as np
 
 from seacrane.errors import Problem, StructureError
 from seacrane.numerics.graph import components_in_order, match
@@ -24,7 +25,7 @@ from seacrane.units import UNITS, display
 
 from .component import check_value, shared_default, symbolic_twin
 from .dae import Dae, Variable, column
-from .diagnose import explain
+from .diagnose import explain, undetermined
 from .diagram import Diagram, PortHandle
 from .ports import PowerPort, SignalIn, SignalOut
 
@@ -310,31 +311,48 @@ def compile_diagram(diagram: Diagram) -> Dae:
     equation_of = {unknown: equation for equation, unknown in enumerate(matched)}
     needs = [[equation_of[j] for j in incidence[i] if j != matched[i]] for i in range(len(matched))]
     blocks = components_in_order(needs)
-    return _assemble(diagram, flat, *_solve_blocks(flat, unknowns, matched, blocks))
+    return _assemble(diagram, flat, *_solve_blocks(diagram.name, flat, unknowns, matched, blocks))
 
 
 def _solve_blocks(
-    flat: Flat, unknowns: Sequence[Unknown], matched: Sequence[int], blocks: Sequence[Sequence[int]]
+    name: str, flat: Flat, unknowns: Sequence[Unknown], matched: Sequence[int], blocks: Sequence[Sequence[int]]
 ) -> tuple[list[Any], list[Any], list[Unknown], list[Any]]:
     """Solve in order; returns solved symbols and their expressions, then what stays algebraic and its residuals."""
     symbols: list[Any] = []
     expressions: list[Any] = []
     algebraic: list[Unknown] = []
     residuals: list[Any] = []
+    problems = []
     for block in blocks:
         wanted = [unknowns[matched[i]] for i in block]
         v = column(*[u.symbol for u in wanted])
         e = column(*[flat.equations[i].residual for i in block])
+        matrix = ca.jacobian(e, v)
+        if _is_singular(matrix):
+            problems.append(undetermined(name, wanted, [flat.equations[i] for i in block]))
+            continue
         linear = not any(ca.which_depends(e, v, 2, True))
         if linear and len(block) <= LARGEST_SYMBOLIC_BLOCK:
-            matrix = ca.jacobian(e, v)
             constant = ca.substitute(e, v, ca.SX.zeros(v.shape))
             symbols.append(v)
             expressions.append(-constant / matrix if len(block) == 1 else -ca.solve(matrix, constant))
         else:
             algebraic += wanted
             residuals.append(e)
+    if problems:
+        raise StructureError(problems)
     return symbols, expressions, algebraic, residuals
+
+
+def _is_singular(matrix: Any) -> bool:
+    """Whether the Jacobian of a block has no inverse whatever the numbers are: its rank at a random point tells."""
+    symbols = ca.symvar(matrix)
+    point = np.random.default_rng(1).uniform(0.5, 1.5, len(symbols))
+    values = np.asarray(ca.Function("J", [column(*symbols)], [ca.densify(matrix)])(point))
+    for axis in (1, 0):  # rows, then columns, to a largest entry of one: units must not decide
+        largest = np.abs(values).max(axis=axis, keepdims=True)
+        values = values / np.where(largest > 0, largest, 1.0)
+    return bool(np.linalg.matrix_rank(values, tol=1e-10) < len(values))
 
 
 def _assemble(

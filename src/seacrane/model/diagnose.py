@@ -100,15 +100,21 @@ def _too_little(
             continue
         group = reachable(left_over, successors)
         told |= group
-        names = sorted(unknowns[j].variable.name for j in group)
-        places = _places(equations[i].origin for j in sorted(group) for i in rows[j])
-        shown = " and ".join(names[:4]) + (", ..." if len(names) > 4 else "")
-        at = f" at {places}" if places else ""
-        yield Problem(
-            diagram.name,
-            f"nothing determines {shown}{at}",
-            hint="Add a store or a source there (a tank, volume, mass or prescribed motion), or an equation.",
-        )
+        beside = [equations[i] for j in sorted(group) for i in rows[j]]
+        yield undetermined(diagram.name, [unknowns[j] for j in sorted(group)], beside)
+
+
+def undetermined(name: str, unknowns: Sequence[Unknown], equations: Sequence[Equation]) -> Problem:
+    """The problem of unknowns that the equations around them leave open."""
+    names = sorted(u.variable.name for u in unknowns)
+    places = _places(e.origin for e in equations)
+    shown = " and ".join(names[:4]) + (", ..." if len(names) > 4 else "")
+    at = f" at {places}" if places else ""
+    return Problem(
+        name,
+        f"nothing determines {shown}{at}",
+        hint="Add a store or a source there (a tank, volume, mass or prescribed motion), or an equation.",
+    )
 
 
 def _places(origins: Iterator[str]) -> str:

@@ -1,0 +1,58 @@
+# Two commands for a user: `make demo` and `make test`. Each does all of its own set-up.
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+PAGE   := src/seacrane/server/page/index.html
+WEB    := $(shell find web -path web/node_modules -prune -o -type f -print 2>/dev/null)
+ARGS   ?=
+
+.PHONY: demo test check setup docs format clean
+.DELETE_ON_ERROR:
+
+setup: $(VENV)/.installed $(PAGE)
+
+$(VENV)/bin/python:
+	$(PYTHON) -m venv $(VENV)
+
+# Versions are pinned in constraints.txt; pyproject.toml has the ranges.
+$(VENV)/.installed: pyproject.toml constraints.txt | $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e .
+	touch $@
+
+$(VENV)/.tools: pyproject.toml constraints.txt $(VENV)/.installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[test,dev,docs]"
+	touch $@
+
+web/node_modules/.installed: web/package-lock.json
+	cd web && npm ci --no-audit --no-fund
+	touch $@
+
+$(PAGE): web/node_modules/.installed $(WEB)
+	cd web && npm run build
+	touch $@
+
+demo: setup
+	$(BIN)/seacrane demo $(ARGS)
+
+test: setup $(VENV)/.tools
+	$(BIN)/python -m pytest
+	cd web && npm test
+
+check: setup $(VENV)/.tools
+	$(BIN)/ruff format --check src tests examples benchmarks
+	$(BIN)/ruff check src tests examples benchmarks
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	cd web && npm run check
+	$(BIN)/mkdocs build --strict --quiet
+
+format:
+	$(BIN)/ruff format src tests examples benchmarks
+	$(BIN)/ruff check --fix src tests examples benchmarks
+	cd web && npm run format
+
+docs: $(VENV)/.tools
+	$(BIN)/mkdocs serve
+
+clean:
+	rm -rf $(VENV) web/node_modules site src/seacrane/server/page

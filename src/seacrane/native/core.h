@@ -1,0 +1,98 @@
+/* An instance of a model: its state, the workspace of its solver, and what is done with them.
+
+   Nothing is static or thread-local: instances are independent of each other, and all that a rollback must bring
+   back is one flat block without pointers. */
+#ifndef SEACRANE_CORE_H
+#define SEACRANE_CORE_H
+
+#include <stddef.h>
+
+#include "model.h"
+
+enum phase { INSTANTIATED, INITIALIZING, STEPPING, TERMINATED };
+
+#define STATE_MAGIC 0x52434153u /* "SACR" */
+#define STATE_VERSION 1u
+
+struct state {
+    uint32_t magic, version, size, unused; /* these and the hash tell whose state this is */
+    unsigned char model[16];
+    double time, next_step;           /* [s]; the step size the solver would like next */
+    double y[ROOM(N)];                /* states, then algebraic unknowns */
+    double u[ROOM(NU)];               /* inputs at `time` */
+    double slope[ROOM(NU)];           /* their time derivatives, until they are set again */
+    double p[ROOM(NP)];
+    double setting[NSETTINGS];
+    int32_t phase, sloped, consistent, unused_too; /* consistent: z solves the algebraic equations */
+};
+
+struct statistics {
+    uint64_t steps, rejected, residuals, jacobians, factorizations;
+};
+
+struct workspace {
+    double jacobian[ROOM(N) * ROOM(N)], matrix[ROOM(N) * ROOM(N)]; /* row-major */
+    double f[ROOM(N)], ft[ROOM(N)], stage[6][ROOM(N)], trial[ROOM(N)], error[ROOM(N)];
+    double rate[ROOM(N)], u[ROOM(NU)];
+    double nonzeros[ROOM(NNZ)], nonzeros_alg[ROOM(NNZ_ALG)];
+    int pivot[ROOM(N)];
+    const double *argument[WORK_ARG];
+    double *result[WORK_RES];
+    double w[WORK_REAL];
+    int iw[WORK_INT];
+};
+
+#define LOOKUP_SIZE 64
+struct lookup { /* the value references of the last call, resolved: a master asks for the same ones at each step */
+    size_t count;
+    uint32_t kinds;
+    uint32_t reference[LOOKUP_SIZE];
+    double *value[LOOKUP_SIZE];
+};
+
+struct instance {
+    struct state state;
+    double derivative[ROOM(N)], output[ROOM(NY)], observable[ROOM(NW)];
+    uint32_t fresh; /* bit per kind: which of the above belong to `state` */
+    double *base[KINDS];
+    struct lookup get, set;
+    struct statistics statistics;
+    struct workspace work;
+    char *name;
+    void (*logger)(void); /* what the environment gave us, as fmi2.c knows it */
+    void *environment;
+    char message[768]; /* why the last call failed */
+};
+
+/* instance.c */
+struct instance *instance_new(const char *name);
+void instance_free(struct instance *m);
+void instance_reset(struct instance *m);
+int instance_restore(struct instance *m, const struct state *saved);
+void changed(struct instance *m);
+int fail(struct instance *m, const char *format, ...); /* records the message; returns 1 */
+
+/* evaluate.c */
+const double *inputs_at(struct instance *m, double t);
+void evaluate_residual(struct instance *m, double t, const double *y, double *f);
+void evaluate_jacobian(struct instance *m, double t, const double *y);
+void evaluate_algebraic(struct instance *m, double t, const double *y, double *alg, double *matrix);
+int evaluate_directional(struct instance *m, double *dy, const double *du, const double *dp, double *df,
+                         double *doutput);
+int refresh(struct instance *m, uint32_t kinds);
+
+/* linear.c */
+int lu_factor(int n, double *a, int *pivot);
+void lu_solve(int n, const double *a, const int *pivot, double *b);
+
+/* newton.c, integrate.c */
+int solve_algebraic(struct instance *m);
+int integrate(struct instance *m, double end);
+
+/* values.c */
+const struct variable *find_variable(uint32_t reference);
+int get_values(struct instance *m, const uint32_t *reference, size_t count, double *value);
+int set_values(struct instance *m, const uint32_t *reference, size_t count, const double *value);
+int set_slopes(struct instance *m, const uint32_t *reference, size_t count, const double *value);
+
+#endif

@@ -1,0 +1,92 @@
+/* Birth, reset, rollback and end of an instance. */
+#include "core.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define FIRST_STEP 1e-4       /* [s] where the step size control starts; it adapts by itself from there */
+#define DEFAULT_TOLERANCE 1e-5 /* relative; see also seacrane.model.codegen, which tells the user */
+
+struct instance *instance_new(const char *name)
+{
+    struct instance *m = calloc(1, sizeof *m);
+    size_t length = strlen(name) + 1;
+    if (m == NULL)
+        return NULL;
+    m->name = malloc(length);
+    if (m->name == NULL) {
+        free(m);
+        return NULL;
+    }
+    memcpy(m->name, name, length);
+    m->base[STATE] = m->state.y;
+    m->base[ALGEBRAIC] = m->state.y + NX;
+    m->base[INPUT] = m->state.u;
+    m->base[PARAMETER] = m->state.p;
+    m->base[SETTING] = m->state.setting;
+    m->base[DERIVATIVE] = m->derivative;
+    m->base[OUTPUT] = m->output;
+    m->base[OBSERVABLE] = m->observable;
+    instance_reset(m);
+    return m;
+}
+
+void instance_free(struct instance *m)
+{
+    if (m != NULL)
+        free(m->name);
+    free(m);
+}
+
+/* Back to the start values of the model, as if just instantiated. */
+void instance_reset(struct instance *m)
+{
+    struct state *s = &m->state;
+    memset(s, 0, sizeof *s);
+    s->magic = STATE_MAGIC;
+    s->version = STATE_VERSION;
+    s->size = (uint32_t)sizeof *s;
+    memcpy(s->model, model_hash, sizeof s->model);
+    memcpy(s->y, model_start_y, N * sizeof(double));
+    memcpy(s->u, model_start_u, NU * sizeof(double));
+    memcpy(s->p, model_start_p, NP * sizeof(double));
+    s->setting[TOLERANCE] = DEFAULT_TOLERANCE;
+    s->next_step = FIRST_STEP;
+    s->phase = INSTANTIATED;
+    memset(&m->statistics, 0, sizeof m->statistics);
+    m->message[0] = '\0';
+    changed(m);
+}
+
+/* Takes over a saved state if it is one of this model; otherwise nothing happens but the message. */
+int instance_restore(struct instance *m, const struct state *saved)
+{
+    const struct state *s = &m->state;
+    if (saved->magic != STATE_MAGIC)
+        return fail(m, "these bytes are not the state of a model");
+    if (saved->version != STATE_VERSION)
+        return fail(m, "the state has format version %u; this model reads version %u", saved->version, STATE_VERSION);
+    if (memcmp(saved->model, s->model, sizeof s->model) != 0 || saved->size != s->size)
+        return fail(m, "the state belongs to another model, or to another version of this one");
+    memcpy(&m->state, saved, sizeof *saved);
+    m->fresh = 0;
+    return 0;
+}
+
+/* Something that the algebraic unknowns and all results may depend on has changed. */
+void changed(struct instance *m)
+{
+    m->state.consistent = NZ == 0;
+    m->fresh = 0;
+}
+
+int fail(struct instance *m, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(m->message, sizeof m->message, format, arguments);
+    va_end(arguments);
+    return 1;
+}

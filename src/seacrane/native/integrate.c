@@ -1,0 +1,213 @@
+/* Integration of the index-1 DAE  M y' = f(t, y),  M = diag(1 for states, 0 for algebraic unknowns).
+
+   Adaptive: RODAS, a Rosenbrock method of order 4 with an embedded error estimate of order 3, L-stable and stiffly
+   accurate, so that one linear system with one matrix per step is all that it costs to be implicit
+   (Hairer & Wanner, Solving Ordinary Differential Equations II, section IV.7 and VI.4; coefficients of table 4.2 and
+   their program RODAS, in the transformed form (7.25) that needs no products with the Jacobian).
+   Fixed step: the linearly implicit Euler method, order 1, for a bounded cost per step. */
+#include "core.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#define STAGES 6
+#define GAMMA 0.25
+#define MOST_STEPS 1000000 /* in one call; beyond it the model is chattering, and a run would seem to hang */
+
+static const double A[STAGES][STAGES - 1] = {
+    {0},
+    {1.544000000000000},
+    {0.9466785280815826, 0.2557011698983284},
+    {3.314825187068521, 2.896124015972201, 0.9986419139977817},
+    {1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950},
+    {1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 1},
+};
+static const double C[STAGES][STAGES - 1] = {
+    {0},
+    {-5.668800000000000},
+    {-2.430093356833875, -0.2063599157091915},
+    {-0.1073529058151375, -9.594562251023355, -20.47028614809616},
+    {7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160},
+    {8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054},
+};
+static const double ALPHA[STAGES] = {0, 0.386, 0.21, 0.63, 1, 1};
+static const double DELTA[STAGES] = {0.25, -0.1043, 0.1035, -0.0362000000000023, 0, 0};
+
+/* M/(h gamma) - df/dy, factored; 1 if singular. */
+static int factor(struct instance *m, double reciprocal)
+{
+    struct workspace *w = &m->work;
+    for (int i = 0; i < N * N; i++)
+        w->matrix[i] = -w->jacobian[i];
+    for (int i = 0; i < NX; i++)
+        w->matrix[i * N + i] += reciprocal;
+    m->statistics.factorizations++;
+    return lu_factor(N, w->matrix, w->pivot);
+}
+
+/* One step from y with the Jacobian in the workspace; new values into `trial`, estimated error into `error`. */
+static int rodas_step(struct instance *m, double t, double h, const double *y)
+{
+    struct workspace *w = &m->work;
+    if (factor(m, 1 / (h * GAMMA)) != 0)
+        return 1;
+    for (int stage = 0; stage < STAGES; stage++) {
+        double *k = w->stage[stage], *sum = w->error;
+        if (stage == 0) {
+            memcpy(k, w->f, N * sizeof(double));
+        } else {
+            memcpy(w->trial, y, N * sizeof(double));
+            for (int j = 0; j < stage; j++)
+                for (int i = 0; i < N; i++)
+                    w->trial[i] += A[stage][j] * w->stage[j][i];
+            evaluate_residual(m, t + ALPHA[stage] * h, w->trial, k);
+        }
+        memset(sum, 0, N * sizeof(double));
+        for (int j = 0; j < stage; j++)
+            for (int i = 0; i < NX; i++)
+                sum[i] += C[stage][j] * w->stage[j][i];
+        for (int i = 0; i < N; i++)
+            k[i] += sum[i] / h + h * DELTA[stage] * w->ft[i];
+        lu_solve(N, w->matrix, w->pivot, k);
+    }
+    for (int i = 0; i < N; i++) {
+        w->error[i] = w->stage[STAGES - 1][i];
+        w->trial[i] += w->error[i];
+    }
+    return 0;
+}
+
+/* Root mean square of the error relative to tolerance; infinite if anything is not finite. `culprit` gets the index
+   of the largest. */
+static double error_norm(struct instance *m, int *culprit)
+{
+    const struct workspace *w = &m->work;
+    double sum = 0, largest = -1, tolerance = m->state.setting[TOLERANCE];
+    for (int i = 0; i < N; i++) {
+        double scale = tolerance * (model_nominal_y[i] + fmax(fabs(m->state.y[i]), fabs(w->trial[i])));
+        double relative = fabs(w->error[i]) / scale;
+        if (!isfinite(relative) || !isfinite(w->trial[i])) {
+            *culprit = i;
+            return HUGE_VAL;
+        }
+        if (relative > largest) {
+            largest = relative;
+            *culprit = i;
+        }
+        sum += relative * relative;
+    }
+    return sqrt(sum / ROOM(N));
+}
+
+static const char *name_of(int index)
+{
+    int kind = index < NX ? STATE : ALGEBRAIC;
+    for (int i = 0; i < NVARIABLES; i++)
+        if (model_variables[i].kind == kind && model_variables[i].index == (kind == STATE ? index : index - NX))
+            return model_variables[i].name;
+    return "";
+}
+
+/* The first component of f that is not a finite number, or -1. */
+static int first_not_finite(const double *f)
+{
+    for (int i = 0; i < N; i++)
+        if (!isfinite(f[i]))
+            return i;
+    return -1;
+}
+
+/* Moves time on to t, taking the inputs along, and makes the trial values the present ones. */
+static void accept(struct instance *m, double t)
+{
+    struct state *s = &m->state;
+    if (s->sloped)
+        for (int i = 0; i < NU; i++)
+            s->u[i] += s->slope[i] * (t - s->time);
+    memcpy(s->y, m->work.trial, N * sizeof(double));
+    s->time = t;
+    m->fresh = 0;
+    m->statistics.steps++;
+}
+
+static int adaptive(struct instance *m, double end)
+{
+    struct state *s = &m->state;
+    double least = fmax(1e-14, 16 * DBL_EPSILON * fmax(fabs(s->time), fabs(end)));
+    int known = 0, rejected = 0, culprit = 0;
+    for (int count = 0; s->time < end; count++) {
+        double left = end - s->time, h = s->next_step, scale;
+        int last = 1.01 * h >= left;
+        if (last)
+            h = left;
+        else if (2 * h > left)
+            h = left / 2; /* two equal steps rather than one long and one sliver */
+        if (!known) {
+            evaluate_jacobian(m, s->time, s->y);
+            culprit = first_not_finite(m->work.f);
+            if (culprit >= 0)
+                return fail(m, "the equations give no finite value at t = %.9g s; first is the one of %s", s->time,
+                            name_of(culprit));
+            known = 1;
+        }
+        int singular = rodas_step(m, s->time, h, s->y);
+        double error = singular ? HUGE_VAL : error_norm(m, &culprit);
+        if (error <= 1) {
+            scale = fmin(rejected ? 1 : 5, 0.9 * pow(fmax(error, 1e-10), -0.25));
+            accept(m, last ? end : s->time + h);
+            s->next_step = last ? fmax(s->next_step, h * scale) : h * scale;
+            known = rejected = 0;
+        } else {
+            scale = error < HUGE_VAL ? fmax(0.1, 0.9 * pow(error, -0.25)) : 0.1;
+            s->next_step = h * scale;
+            rejected = 1;
+            m->statistics.rejected++;
+            if (s->next_step < least)
+                return singular ? fail(m, "the matrix of the solver is singular at t = %.9g s (step size %.3g s)", s->time, h)
+                                : fail(m,
+                                       "the step size fell below %.3g s at t = %.9g s; %s could not be integrated to "
+                                       "the tolerance %.3g",
+                                       least, s->time, name_of(culprit), s->setting[TOLERANCE]);
+        }
+        if (count == MOST_STEPS)
+            return fail(m, "%d steps did not reach t = %.9g s; at t = %.9g s the step size is %.3g s, limited by %s",
+                        MOST_STEPS, end, s->time, h, name_of(culprit));
+    }
+    return 0;
+}
+
+static int fixed(struct instance *m, double end)
+{
+    struct state *s = &m->state;
+    struct workspace *w = &m->work;
+    double start = s->time, count = fmax(1, ceil((end - start) / s->setting[FIXED_STEP] - 1e-6));
+    for (double i = 1; i <= count; i++) {
+        double next = i < count ? start + i * ((end - start) / count) : end, h = next - s->time;
+        evaluate_jacobian(m, s->time, s->y);
+        for (int j = 0; j < N; j++)
+            w->trial[j] = w->f[j] + h * w->ft[j];
+        if (factor(m, 1 / h) != 0)
+            return fail(m, "the matrix of the solver is singular at t = %.9g s (step size %.3g s)", s->time, h);
+        lu_solve(N, w->matrix, w->pivot, w->trial);
+        for (int j = 0; j < N; j++)
+            w->trial[j] += s->y[j];
+        int culprit = first_not_finite(w->trial);
+        if (culprit >= 0)
+            return fail(m, "%s is not finite after the step of %.3g s from t = %.9g s", name_of(culprit), h, s->time);
+        accept(m, next);
+    }
+    return 0;
+}
+
+/* From the present time to `end`; on failure the instance stays at the last good point. */
+int integrate(struct instance *m, double end)
+{
+    if (!m->state.consistent && solve_algebraic(m) != 0)
+        return 1;
+    if (N == 0) {
+        accept(m, end);
+        return 0;
+    }
+    return m->state.setting[FIXED_STEP] > 0 ? fixed(m, end) : adaptive(m, end);
+}

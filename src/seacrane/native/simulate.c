@@ -1,0 +1,100 @@
+/* What Python calls beside FMI: a whole run in one call, and a look into the instance. */
+#include <math.h>
+#include <string.h>
+
+#include "core.h"
+#include "fmi2.h"
+
+struct samples {            /* inputs over time */
+    size_t inputs, count;   /* number of inputs, number of sample times */
+    const uint32_t *reference;
+    const double *time;     /* [count], not falling; a time given twice is a jump */
+    const double *value;    /* [count][inputs] */
+    int linear;             /* straight lines between samples instead of steps */
+};
+
+/* Sets the inputs as they are at and after t; `next` is the first sample later than t. */
+static int apply(struct instance *m, const struct samples *s, size_t next, double t)
+{
+    if (s->inputs == 0 || s->count == 0)
+        return 0;
+    size_t from = next > 0 ? next - 1 : 0;
+    const double *a = s->value + from * s->inputs;
+    if (!s->linear || next == 0 || next == s->count)
+        return set_values(m, s->reference, s->inputs, a);
+    const double *b = a + s->inputs;
+    double length = s->time[next] - s->time[from];
+    for (size_t i = 0; i < s->inputs; i++) {
+        double slope = (b[i] - a[i]) / length, value = a[i] + slope * (t - s->time[from]);
+        if (set_values(m, s->reference + i, 1, &value) != 0 || set_slopes(m, s->reference + i, 1, &slope) != 0)
+            return 1;
+    }
+    return 0;
+}
+
+/* Runs from the present time over `times` (not falling), writing the chosen variables at each into
+   result[count][outputs]. Integration stops at each sample of the inputs as well. Returns an FMI status; `done` counts
+   the rows that were written. */
+EXPORT int seacrane_simulate(struct instance *m, size_t count, const double *times, const struct samples *inputs,
+                             size_t outputs, const uint32_t *reference, double *result, size_t *done)
+{
+    size_t next = 0;
+    *done = 0;
+    if (m->state.phase != STEPPING) {
+        fail(m, "the model must be initialized before it is simulated");
+        return fmi2Error;
+    }
+    while (next < inputs->count && inputs->time[next] <= m->state.time)
+        next++;
+    if (apply(m, inputs, next, m->state.time) != 0)
+        return fmi2Error;
+    for (size_t row = 0; row < count; row++) {
+        while (m->state.time < times[row]) {
+            int at_sample = next < inputs->count && inputs->time[next] <= times[row];
+            if (integrate(m, at_sample ? inputs->time[next] : times[row]) != 0)
+                return fmi2Discard;
+            if (at_sample) {
+                while (next < inputs->count && inputs->time[next] <= m->state.time)
+                    next++;
+                if (apply(m, inputs, next, m->state.time) != 0)
+                    return fmi2Error;
+            }
+        }
+        if (get_values(m, reference, outputs, result + row * outputs) != 0)
+            return fmi2Error;
+        *done = row + 1;
+    }
+    return fmi2OK;
+}
+
+EXPORT const char *seacrane_message(const struct instance *m)
+{
+    return m->message;
+}
+
+EXPORT double seacrane_time(const struct instance *m)
+{
+    return m->state.time;
+}
+
+EXPORT size_t seacrane_state_size(void)
+{
+    return sizeof(struct state);
+}
+
+/* The state as bytes; the block is flat, so this is all of it. */
+EXPORT void seacrane_save(const struct instance *m, void *bytes)
+{
+    memcpy(bytes, &m->state, sizeof m->state);
+}
+
+EXPORT int seacrane_restore(struct instance *m, const void *bytes)
+{
+    return instance_restore(m, bytes) == 0 ? fmi2OK : fmi2Error;
+}
+
+/* Accepted steps, rejected steps, evaluations of f, Jacobians, factorisations since instantiation or reset. */
+EXPORT void seacrane_statistics(const struct instance *m, uint64_t value[5])
+{
+    memcpy(value, &m->statistics, sizeof m->statistics);
+}

@@ -1,0 +1,42 @@
+"""Co-simulation: slaves, the structure that couples them, algorithms, and runs.
+
+    system = System("pendulum on a ship")
+    system.add("ship", ModelSlave(ship))
+    system.add("crane", FmuSlave("crane.fmu"))
+    system.connect("ship.foot.ax", "crane.base.ax")
+    with Execution(system, GaussSeidel(step=0.002)) as run:
+        recording = run.run(until=60.0)
+
+To extend it, implement `Slave` and `Instance` (what is stepped), `Algorithm` (who steps when) or `Observer` (who
+watches).
+"""
+
+from seacrane.cosim.algorithms import Algorithm, GaussSeidel, Jacobi, Schedule
+from seacrane.cosim.bonds import BondReport
+from seacrane.cosim.execution import Execution, State, Usage
+from seacrane.cosim.function import FunctionSlave
+from seacrane.cosim.observers import CsvRecorder, MemoryRecorder, Observer
+from seacrane.cosim.slave import Instance, Interface, NativeCalls, Slave
+from seacrane.cosim.system import Bond, Connection, System
+
+__all__ = [
+    "Algorithm",
+    "Bond",
+    "BondReport",
+    "Connection",
+    "CsvRecorder",
+    "Execution",
+    "FunctionSlave",
+    "GaussSeidel",
+    "Instance",
+    "Interface",
+    "Jacobi",
+    "MemoryRecorder",
+    "NativeCalls",
+    "Observer",
+    "Schedule",
+    "Slave",
+    "State",
+    "System",
+    "Usage",
+]

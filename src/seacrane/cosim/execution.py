@@ -1,0 +1,450 @@
+"""`Execution`: one run of a system. All state of a simulation is in here."""
+
+from __future__ import annotations
+
+import time as wall
+import weakref
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import TracebackType
+from typing import Literal, Self
+
+import numpy as np
+
+from seacrane.cosim.algorithms import NANOSECONDS, Algorithm, nanoseconds
+from seacrane.cosim.bonds import ACCOUNT, SIGNALS, BondReport
+from seacrane.cosim.loops import DONE, FAULT, Fault, Loop, NativeLoop, PythonLoop, append
+from seacrane.cosim.observers import CsvRecorder, MemoryRecorder, Observer
+from seacrane.cosim.plan import Plan, Rows
+from seacrane.cosim.slave import Vector, check_values
+from seacrane.cosim.startup import settle
+from seacrane.cosim.system import System
+from seacrane.errors import CompileError, CosimError, Problem, SeacraneError, nearest
+from seacrane.model.dae import Variable
+from seacrane.results import Recording
+
+STATUS = {0: "OK", 1: "warning", 2: "discard", 3: "error", 4: "fatal", 5: "pending"}
+"""FMI 2 status codes (FMI 2.0.4, section 2.1.3)."""
+
+FLUSH_S = 0.15
+"""Rows are handed to the observers when this wall time [s] has passed; batches of the loop take far less."""
+
+BATCH_S = 0.03
+"""Wall time [s] of one call of the loop: below it, an interrupt from the keyboard is answered at once."""
+
+
+@dataclass(frozen=True)
+class State:
+    """The whole state of a run at a communication point, as `Execution.save` gives it."""
+
+    done: int
+    values: bytes
+    slaves: Mapping[str, bytes]
+
+
+@dataclass(frozen=True)
+class Usage:
+    """What a run has taken since its start: simulated time, wall time inside the loop, CPU time of it [s]."""
+
+    simulated_s: float
+    busy_s: float
+    cpu_s: float
+    macro_steps: int
+
+    @property
+    def real_time_factor(self) -> float:
+        """Wall time used over simulated time; below 1 is faster than real time."""
+        return self.busy_s / self.simulated_s if self.simulated_s else 0.0
+
+
+class Execution:
+    """A run of `system` with `algorithm`, from `start` [s].
+
+    The order of calls is record*, set* -> start -> (step | advance | run | set | values | save | restore)* -> close,
+    and `record` and `set` are welcome at any time. It is a context manager; without one, everything is closed when it
+    is no longer used. `loop` is `"c"`, `"python"`, or `"auto"`: C where there is a compiler.
+
+    A failure of a slave raises `CosimError` with slave, variable and time, and ends the run: what was recorded stays
+    readable, `error` holds the error, and only `restore` brings the run back.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        algorithm: Algorithm,
+        *,
+        start: float = 0.0,
+        loop: Literal["auto", "c", "python"] = "auto",
+    ) -> None:
+        if not system.slaves:
+            raise CosimError.at(system.name, "has no slaves", hint="Add one with system.add(name, slave).")
+        self._variables = system.variables
+        self._causality = {name: system.causality(name) for name in self._variables}
+        self._sources = {c.target: c.source for c in system.connections}
+        self._bonds = tuple(system.bonds)
+        schedule = algorithm.schedule(tuple(system.slaves))
+        self._resources = ExitStack()
+        self._finalizer = weakref.finalize(self, self._resources.close)
+        try:
+            instances = {}
+            for name, slave in system.slaves.items():
+                instances[name] = slave.instantiate(name)
+                self._resources.callback(instances[name].close)
+            self._plan = Plan(system, schedule, instances, round(start * NANOSECONDS))
+            self._loop = _loop(self._plan, loop)
+        except BaseException:
+            self._finalizer()
+            raise
+        self._recorders: list[_Recorder] = []
+        self._inputs_set: dict[str, float] = {}
+        self._started = False
+        self._error: SeacraneError | None = None
+        self._batch = 1
+        self._flushed = wall.monotonic()
+        self._busy = self._cpu = 0.0
+        self._steps = 0
+
+    # ------------------------------------------------------------ reading
+    @property
+    def time(self) -> float:
+        """Simulated time [s]: an exact multiple of the macro step after the start."""
+        return self._plan.time_ns / 1e9
+
+    @property
+    def macro_step(self) -> float:
+        """The macro step [s]."""
+        return self._plan.schedule.step_ns / 1e9
+
+    @property
+    def loop(self) -> str:
+        """Which loop runs: `"c"` or `"python"`."""
+        return self._loop.name
+
+    @property
+    def order(self) -> tuple[str, ...]:
+        """The slaves in the order in which they step."""
+        return self._plan.schedule.order
+
+    @property
+    def variables(self) -> Mapping[str, Variable]:
+        """All variables that can be read, and parameters, by their full names."""
+        return self._variables
+
+    @property
+    def error(self) -> SeacraneError | None:
+        """What ended the run, if something did."""
+        return self._error
+
+    @property
+    def usage(self) -> Usage:
+        return Usage(self._steps * self.macro_step, self._busy, self._cpu, self._steps)
+
+    @property
+    def bonds(self) -> dict[str, BondReport]:
+        """The power and energy account of each bond."""
+        reports = {}
+        for bond in self._plan.bonds:
+            account = self._plan.values[bond.account : bond.account + len(ACCOUNT)]
+            reports[bond.name] = BondReport(**{q: float(account[ACCOUNT.index(q)]) for q in SIGNALS})
+        return reports
+
+    def values(self, names: Sequence[str]) -> Vector:
+        """Current values, shape (names,), each in the SI unit of its variable."""
+        return self.reader(names)()
+
+    def reader(self, names: Sequence[str]) -> Callable[..., Vector]:
+        """A fast way to read the same variables again and again.
+
+        `read()` gives a new array of shape (names,), `read(out)` fills and gives the array `out`.
+        """
+        indices, watches = self._resolve(names)
+        values = self._plan.values
+
+        def read(out: Vector | None = None) -> Vector:
+            if watches and self._started:
+                self._watch()
+            return np.take(values, indices, out=out, mode="clip")
+
+        return read
+
+    # ------------------------------------------------------------ setting
+    def set(self, name: str, value: float) -> None:
+        """Set an input that nothing drives, or a parameter, in its SI unit, from the next macro step on."""
+        causality = self._require(name)
+        slave, _, variable = name.partition(".")
+        if causality == "input":
+            if name in self._sources:
+                raise CosimError.at(name, f"is driven by {self._sources[name]!r} and cannot be set")
+            check_values({variable: value}, [_renamed(self._variables[name], variable)], slave, "input")
+            self._inputs_set[name] = value
+            self._plan.values[self._plan.index[name]] = value
+        elif causality == "parameter":
+            check_values({variable: value}, [_renamed(self._variables[name], variable)], slave)
+            part = next(part for part in self._plan.parts if part.name == slave)
+            part.instance.set({variable: value})
+        else:
+            article = "an" if causality == "output" else "a"
+            raise CosimError.at(
+                name, f"is {article} {causality} variable and cannot be set", allowed="inputs, parameters"
+            )
+
+    # ------------------------------------------------------------ observing
+    def record(
+        self, names: Sequence[str] | None = None, *, every: float | None = None, keep: float | None = None
+    ) -> MemoryRecorder:
+        """Record into memory: all outputs and bonds by default, at each macro step or `every` so many seconds.
+
+        `every` is taken to the nearest multiple of the macro step. With `keep` only the last so many seconds of
+        simulated time are kept.
+        """
+        recorder = MemoryRecorder(keep)
+        self.observe(recorder, names, every=every)
+        return recorder
+
+    def record_csv(
+        self, path: str | Path, names: Sequence[str] | None = None, *, every: float | None = None
+    ) -> CsvRecorder:
+        """Record into a CSV file while the run goes on; names and `every` as for `record`."""
+        recorder = CsvRecorder(path)
+        self.observe(recorder, names, every=every)
+        return recorder
+
+    def observe(self, observer: Observer, names: Sequence[str] | None = None, *, every: float | None = None) -> None:
+        """Hand rows of these variables to an observer; names and `every` as for `record`."""
+        if names is None:
+            names = [n for n, c in self._causality.items() if c in ("output", "bond")]
+        indices, watches = self._resolve(names)
+        step_ns = self._plan.schedule.step_ns
+        stride = 1 if every is None else max(1, round(nanoseconds(every, "every") / step_ns))
+        capacity = max(64, min(4096, 262_144 // (1 + len(names))))
+        rows = Rows(stride, indices, watches, np.zeros((capacity, 1 + len(names))))
+        observer.open({n: (self._variables[n].unit, self._variables[n].display_unit) for n in names})
+        recorder = _Recorder(observer, rows)
+        self._resources.callback(recorder.close)
+        self._recorders.append(recorder)
+        self._plan.rows.append(rows)
+        self._loop.refresh()
+        if self._started:
+            self._first_row(recorder)
+
+    def flush(self) -> None:
+        """Hand all rows recorded so far to their observers."""
+        self._flushed = wall.monotonic()
+        for recorder in self._recorders:
+            recorder.drain()
+
+    # ------------------------------------------------------------ running
+    def start(self) -> Self:
+        """Initialise the slaves in order and make their connected values consistent. Starting twice does nothing."""
+        if self._started:
+            return self
+        self._ready()
+        try:
+            settle(self._plan, self._inputs_set)
+            for part in self._plan.parts:
+                part.instance.begin()
+        except SeacraneError as error:
+            self._error = error
+            raise
+        self._started = True
+        for recorder in self._recorders:
+            self._first_row(recorder)
+        return self
+
+    def step(self, steps: int = 1) -> None:
+        """Do so many macro steps."""
+        self.start()
+        self._ready()
+        target = self._plan.done + steps
+        while self._plan.done < target:
+            self._run_batch(min(self._batch, target - self._plan.done))
+
+    def advance(self, until: float) -> None:
+        """Go on to the first communication point at or after `until` [s]; nothing if that has passed."""
+        self.step(self._steps_to(until))
+
+    def run(self, until: float, progress: Callable[[float, float], None] | None = None) -> Recording:
+        """Start if need be, advance to `until` [s], and give what the first recorder in memory holds.
+
+        Without one, all outputs and bonds are recorded at each macro step from here on. `progress(time, until)` is
+        called some ten times a second.
+        """
+        recorder = next((r.observer for r in self._recorders if isinstance(r.observer, MemoryRecorder)), None)
+        if recorder is None:
+            recorder = self.record()
+        self.start()
+        told = wall.monotonic()
+        while (remaining := self._steps_to(until)) > 0:
+            self._ready()
+            self._run_batch(min(self._batch, remaining))
+            if progress is not None and (wall.monotonic() - told >= 0.1 or remaining <= self._batch):
+                told = wall.monotonic()
+                progress(self.time, until)
+        self.flush()
+        return recorder.recording()
+
+    def save(self) -> State:
+        """The whole state, to which `restore` goes back exactly; `CosimError` naming each slave that cannot."""
+        self._require_started()
+        self._ready()
+        slaves, problems = {}, []
+        for part in self._plan.parts:
+            try:
+                slaves[part.name] = part.instance.save()
+            except SeacraneError as error:
+                problems += [Problem(part.name, f"cannot be saved: {p.message}") for p in error.problems]
+        if problems:
+            raise CosimError(problems)
+        return State(self._plan.done, self._plan.values.tobytes(), slaves)
+
+    def restore(self, state: State) -> None:
+        """Go back (or forth) to a state of this system; what memory recorders hold of later times is forgotten."""
+        self._require_started()
+        if (
+            set(state.slaves) != {part.name for part in self._plan.parts}
+            or len(state.values) != self._plan.values.nbytes
+        ):
+            raise CosimError.at("state", "is that of another system")
+        self.flush()
+        for part in self._plan.parts:
+            part.instance.restore(state.slaves[part.name])
+        self._plan.values[:] = np.frombuffer(state.values)
+        self._plan.done = state.done
+        self._error = None
+        for recorder in self._recorders:
+            recorder.observer.forget_after(self.time)
+
+    def close(self) -> None:
+        """Hand over what was recorded, close all observers and free all slaves."""
+        self._error = self._error or CosimError.at("", "the run has been closed")
+        self._finalizer()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    # ------------------------------------------------------------ inside
+    def _run_batch(self, steps: int) -> None:
+        plan, before = self._plan, self._plan.done
+        wall_before, cpu_before = wall.perf_counter(), wall.thread_time()
+        result = self._loop.run(steps)
+        elapsed = wall.perf_counter() - wall_before
+        self._busy += elapsed
+        self._cpu += wall.thread_time() - cpu_before
+        self._steps += plan.done - before
+        if elapsed > BATCH_S:
+            self._batch = max(1, self._batch // 2)
+        elif elapsed < BATCH_S / 4 and steps == self._batch:
+            self._batch *= 2
+        if result != DONE or wall.monotonic() - self._flushed > FLUSH_S:
+            self.flush()
+        if result == FAULT and self._loop.fault is not None:
+            self._fail(self._loop.fault)
+
+    def _fail(self, fault: Fault) -> None:
+        part = self._plan.parts[fault.slave]
+        begin, end = self.time, (self._plan.time_ns + self._plan.schedule.step_ns) / 1e9
+        when = f"in the step from t = {begin:.9g} to {end:.9g} s"
+        cause = part.instance.failure
+        if fault.stage == "finite":
+            variable = part.interface.outputs[fault.variable]
+            value = float(self._plan.values[part.outputs][fault.variable])
+            self._error = CosimError.at(f"{part.name}.{variable.name}", f"is not finite {when}", value=value)
+        elif cause is not None:
+            part.instance.failure = None
+            if not isinstance(cause, Exception):
+                self._error = CosimError.at(part.name, f"was interrupted {when}")
+                raise cause
+            self._error = CosimError.at(part.name, f"failed {when}: {type(cause).__name__}: {cause}")
+        else:
+            doing = {"set": "taking its inputs", "step": "stepping", "get": "giving its outputs"}
+            what = doing.get(fault.stage, "giving its internal variables")
+            status = STATUS.get(fault.status, str(fault.status))
+            self._error = CosimError.at(part.name, f"failed with status {status!r} when {what} {when}")
+        raise self._error from cause
+
+    def _watch(self) -> None:
+        if self._error is None and self._loop.watch() == FAULT and self._loop.fault is not None:
+            self._fail(self._loop.fault)
+
+    def _first_row(self, recorder: _Recorder) -> None:
+        if self._plan.done % recorder.rows.stride == 0:
+            if recorder.rows.watches:
+                self._watch()
+            append(recorder.rows, self.time, self._plan)
+
+    def _steps_to(self, until: float) -> int:
+        ahead = round(until * NANOSECONDS) - self._plan.time_ns
+        return max(0, -(-ahead // self._plan.schedule.step_ns))
+
+    def _resolve(self, names: Iterable[str]) -> tuple[np.ndarray, bool]:
+        """Indices into the values; `CosimError` with every name that is wrong."""
+        names, problems = list(names), []
+        for name in names:
+            try:
+                if self._require(name) == "parameter":
+                    problems.append(
+                        Problem(name, "is a parameter and does not change by itself: it cannot be read here")
+                    )
+            except CosimError as error:
+                problems += error.problems
+        if problems:
+            raise CosimError(problems)
+        watches = self._plan.watch(names)
+        if watches:
+            self._loop.refresh()
+        return np.array([self._plan.index[name] for name in names], dtype=np.int64), watches
+
+    def _require(self, name: str) -> str:
+        try:
+            return self._causality[name]
+        except KeyError:
+            raise CosimError.at(name, "no such variable in the system", hint=nearest(name, self._causality)) from None
+
+    def _require_started(self) -> None:
+        if not self._started:
+            raise CosimError.at("", "the run has not started", hint="Call start() first.")
+
+    def _ready(self) -> None:
+        if self._error is not None:
+            message = "; ".join(str(problem) for problem in self._error.problems)
+            raise CosimError.at("", f"the run ended at t = {self.time:.9g} s ({message})")
+
+
+class _Recorder:
+    """An observer with the rows that the loop fills for it."""
+
+    def __init__(self, observer: Observer, rows: Rows) -> None:
+        self.observer, self.rows = observer, rows
+
+    def drain(self) -> None:
+        count, self.rows.count = self.rows.count, 0
+        if count:
+            self.observer.write(self.rows.table[:count])
+
+    def close(self) -> None:
+        try:
+            self.drain()
+        finally:
+            self.observer.close()
+
+
+def _loop(plan: Plan, wanted: str) -> Loop:
+    if wanted == "python":
+        return PythonLoop(plan)
+    try:
+        return NativeLoop(plan)
+    except CompileError:
+        if wanted == "c":
+            raise
+        return PythonLoop(plan)
+
+
+def _renamed(variable: Variable, name: str) -> Variable:
+    return replace(variable, name=name)

@@ -1,0 +1,146 @@
+"""From names to indices: the system laid out on one flat array of values that both loops work on.
+
+The array `values` holds, in the order of the schedule, all outputs, then all inputs, then room for the watched internal
+variables of each slave, then the account of each bond.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from seacrane.cosim.algorithms import Schedule
+from seacrane.cosim.bonds import ACCOUNT
+from seacrane.cosim.slave import Instance, Interface, Vector
+from seacrane.cosim.system import System
+from seacrane.units import UNITS
+
+
+@dataclass
+class Part:
+    """One slave's place in the plan: index ranges into `values`, and its connections."""
+
+    name: str
+    interface: Interface
+    instance: Instance
+    outputs: slice
+    inputs: slice
+    room: slice
+    sources: npt.NDArray[np.int64]
+    targets: npt.NDArray[np.int64]
+    gains: Vector
+    biases: Vector
+    watched: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class BondIndices:
+    """Where a bond's variables and account are in `values`, and the factors of the products of each side to W."""
+
+    name: str
+    effort_out: int
+    flow_in: int
+    effort_in: int
+    flow_out: int
+    account: int
+    effort_side: float
+    flow_side: float
+
+
+@dataclass
+class Rows:
+    """Rows of (time, values...) that the loops fill for a recorder: one each `stride` macro steps."""
+
+    stride: int
+    indices: npt.NDArray[np.int64]
+    watches: bool
+    table: Vector
+    count: int = 0
+
+
+class Plan:
+    """The layout, the values themselves, and the count of macro steps `done` since `start_ns`."""
+
+    def __init__(self, system: System, schedule: Schedule, instances: dict[str, Instance], start_ns: int) -> None:
+        self.schedule = schedule
+        self.start_ns = start_ns
+        self.done = 0
+        self.watched_at = -1
+        self.rows: list[Rows] = []
+        self.index: dict[str, int] = {}
+        interfaces = {name: system.slaves[name].interface for name in schedule.order}
+        places: dict[str, list[slice]] = {name: [] for name in schedule.order}
+        size = 0
+        for group in ("outputs", "inputs", "watchable"):
+            for name in schedule.order:
+                variables = getattr(interfaces[name], group)
+                places[name].append(slice(size, size + len(variables)))
+                if group != "watchable":
+                    self.index |= {f"{name}.{v.name}": size + i for i, v in enumerate(variables)}
+                size += len(variables)
+        first_account, size = size, size + len(ACCOUNT) * len(system.bonds)
+        self.values: Vector = np.zeros(size)
+        self.parts = [
+            self._part(system, name, interfaces[name], instances[name], places[name]) for name in schedule.order
+        ]
+        self.bonds = [self._bond(system, name, first_account + len(ACCOUNT) * i) for i, name in enumerate(system.bonds)]
+        for bond in self.bonds:
+            self.index |= {f"{bond.name}.{q}": bond.account + i for i, q in enumerate(ACCOUNT)}
+        for part in self.parts:
+            part.instance.bind(self.values[part.inputs], self.values[part.outputs])
+
+    @property
+    def time_ns(self) -> int:
+        return self.start_ns + self.done * self.schedule.step_ns
+
+    def watch(self, names: Iterable[str]) -> bool:
+        """Give internal variables a place in `values`; whether any of these names is one."""
+        parts = {part.name: part for part in self.parts}
+        found = False
+        for name in names:
+            slave, _, variable = name.partition(".")
+            part = parts.get(slave)
+            if part is None or all(v.name != variable for v in part.interface.watchable):
+                continue
+            found = True
+            if variable not in part.watched:
+                self.index[name] = part.room.start + len(part.watched)
+                part.watched.append(variable)
+        return found
+
+    def _part(self, system: System, name: str, interface: Interface, instance: Instance, places: list[slice]) -> Part:
+        variables = system.variables
+        incoming = [c for c in system.connections if c.target.partition(".")[0] == name]
+        gains = []
+        for c in incoming:
+            gains.append(c.gain * (UNITS[variables[c.source].unit].factor / UNITS[variables[c.target].unit].factor))
+        return Part(
+            name,
+            interface,
+            instance,
+            outputs=places[0],
+            inputs=places[1],
+            room=places[2],
+            sources=np.array([self.index[c.source] for c in incoming], dtype=np.int64),
+            targets=np.array([self.index[c.target] for c in incoming], dtype=np.int64),
+            gains=np.array(gains, dtype=np.float64),
+            biases=np.array([c.bias for c in incoming], dtype=np.float64),
+        )
+
+    def _bond(self, system: System, name: str, account: int) -> BondIndices:
+        bond, variables = system.bonds[name], system.variables
+        (effort_out, effort_in), (flow_out, flow_in) = bond.effort, bond.flow
+        factor = {n: UNITS[variables[n].unit].factor for n in (effort_out, effort_in, flow_out, flow_in)}
+        return BondIndices(
+            name,
+            effort_out=self.index[effort_out],
+            flow_in=self.index[flow_in],
+            effort_in=self.index[effort_in],
+            flow_out=self.index[flow_out],
+            account=account,
+            effort_side=factor[effort_out] * factor[flow_in],
+            flow_side=factor[effort_in] * factor[flow_out],
+        )

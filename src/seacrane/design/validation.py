@@ -41,9 +41,10 @@ def examine(data: object, *, texts: bool = True) -> tuple[Crane | None, list[Pro
     problems = walk.problems
     if tree is _UNREAD:
         return None, problems
-    problems += _parts(tree)
-    if any(not problem.path for problem in problems) or not walk.complete or _names_broken(tree):
-        return None, problems
+    skeleton = _duplicates(tree) + _strangers(tree) + _axes(tree)
+    problems += skeleton + _parts(tree)
+    if skeleton or not walk.complete:
+        return None, problems  # there is no chain whose geometry could be looked at
     crane = _build(Crane, tree)
     problems += _strokes(crane)
     return (None, problems) if problems else (crane, [])
@@ -252,10 +253,6 @@ def _references(tree: Tree) -> Iterator[tuple[str, Tree]]:
         yield f"hoist.sheaves[{index}]", sheave
 
 
-def _names_broken(tree: Tree) -> bool:
-    return bool(_duplicates(tree)) or bool(_strangers(tree))
-
-
 def _duplicates(tree: Tree) -> list[Problem]:
     links, joints = _names(tree)
     cylinders = [c["name"] for _, c in _named(tree, "cylinders") if "name" in c]
@@ -294,8 +291,17 @@ def _strangers(tree: Tree) -> list[Problem]:
     return found
 
 
+def _axes(tree: Tree) -> list[Problem]:
+    joints = ((f"{path}.joint.axis", link.get("joint", {}).get("axis")) for path, link in _named(tree, "links"))
+    return [
+        Problem(path, "has no direction", value=axis, allowed="any vector but zero")
+        for path, axis in joints
+        if axis is not None and not any(axis)
+    ]
+
+
 def _parts(tree: Tree) -> list[Problem]:
-    problems = _duplicates(tree) + _strangers(tree)
+    problems: list[Problem] = []
     for path, link in _named(tree, "links"):
         problems += _inertia(f"{path}.inertia", link.get("inertia"))
         problems += _joint(f"{path}.joint", link.get("joint", {}))
@@ -343,21 +349,18 @@ def _inertia(path: str, inertia: list[float] | None) -> list[Problem]:
 
 
 def _joint(path: str, joint: Tree) -> list[Problem]:
-    problems = []
-    if "axis" in joint and not any(joint["axis"]):
-        problems.append(Problem(f"{path}.axis", "has no direction", value=joint["axis"], allowed="any vector but zero"))
     limits = joint.get("limits")
     if limits is not None and limits[0] >= limits[1]:
         symbol = "m" if joint.get("kind") == "prismatic" else "rad"
-        problems.append(
+        return [
             Problem(
                 f"{path}.limits",
                 f"the lower limit must be below the upper [{symbol}]",
                 limits,
                 hint="Are they reversed?",
             )
-        )
-    return problems
+        ]
+    return []
 
 
 def _between(tree: Tree, path: str, cylinder: Tree) -> list[Problem]:
@@ -398,6 +401,8 @@ def _strokes(crane: Crane) -> list[Problem]:
         if limits[0] >= limits[1]:
             continue  # said already
         shortest, longest = cylinder_range(crane, cylinder)
+        if longest - shortest < 1e-9:
+            continue  # both pins on one side of the joint: said already
         travel = f"the pins are {shortest:.4g} to {longest:.4g} m apart over the joint's limits"
         if longest - shortest > cylinder.stroke:
             problems.append(

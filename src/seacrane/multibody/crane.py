@@ -1,0 +1,369 @@
+"""The mechanics of a whole crane as a DAE: links, cylinders, rope and drum, load, and the wrench on the ship.
+
+All positions and velocities are relative to the crane's foot, in foot axes (x forward, y port, z up, fixed to the
+ship). The ship enters through its motion at the foot, and receives the wrench there. Forces of the drives enter as
+inputs, speeds of the same points leave as outputs, so each drive couples by a power bond.
+
+The load is a point mass on the hook. With r its position from the foot, and w, dw/dt, a the foot's angular velocity,
+angular acceleration and acceleration,
+
+    m (d2r/dt2 + a + dw/dt x r + w x (w x r) + 2 w x dr/dt) = m g - T dl/dr - d v
+
+where T is the rope's tension, l(q, r) the length of its path, and d v a linear drag on the velocity v over still air.
+
+Energy is accounted in the inertial frame: kinetic + potential + rope + dissipated + carried - work stays constant on an
+exact solution, with the work of every actuator and of the ship as states. The `energy.closure` output is that sum.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+
+from seacrane.design import Crane, Link, geometry
+from seacrane.model.dae import Dae, Variable, column
+from seacrane.multibody.chain import BaseMotion, forward_dynamics, frames, kinetic_energy, mass_moment
+from seacrane.multibody.cylinder import attachment_point, distance, lengths
+from seacrane.multibody.equilibrium import Equilibrium, driven_joints, static_equilibrium
+from seacrane.multibody.rope import RopeLaw, path_length, rope_law
+from seacrane.units import GRAVITY
+
+_XYZ = ("x", "y", "z")
+
+
+def crane_mechanics(
+    crane: Crane, load_mass: float = 40e3, posture: Sequence[float] | None = None, hanging: float = 12.0
+) -> Dae:
+    """The mechanics of `crane` as a `Dae` named "crane", starting in static equilibrium.
+
+    load_mass [kg] on the hook; posture: joint values [rad, m] at the start, by default the middle of each joint's
+    range; hanging [m]: from the tip sheave to the hook at the start. Inputs start at the forces that hold this posture.
+
+    Joints moved by a cylinder take `<cylinder>.force` [N] (all cylinders of the set together, extending is positive);
+    any other joint takes `<joint>.torque` [N.m] or `<joint>.force` [N]. `drum.torque` hoists when positive.
+    """
+    if posture is None:
+        posture = [sum(link.joint.limits) / 2 if link.joint.limits else 0.0 for link in crane.links]
+    start = static_equilibrium(crane, posture, load_mass, hanging)
+    inputs, states, parameters = _inputs(crane, start), _states(crane, start), _parameters(crane, load_mass)
+    t = ca.SX.sym("t")
+    u, x, p = (ca.SX.sym(name, len(group)) for name, group in (("u", inputs), ("x", states), ("p", parameters)))
+    values = {v.name: s[i] for g, s in ((inputs, u), (states, x), (parameters, p)) for i, v in enumerate(g)}
+    motion = _motion(crane, values)
+    outputs, observables = _outputs(crane, values, motion), _observables(crane, values, motion)
+    ode = column(*(motion.rates[v.name] for v in states))
+    out, obs = (column(*(expression for _, expression in group)) for group in (outputs, observables))
+    ode, out, obs = ca.cse([ode, out, obs])
+    nothing = ca.SX(0, 1)
+    return Dae(
+        name="crane",
+        states=states,
+        algebraics=(),
+        inputs=inputs,
+        parameters=parameters,
+        outputs=tuple(v for v, _ in outputs),
+        observables=tuple(v for v, _ in observables),
+        t=t,
+        x=x,
+        z=nothing,
+        u=u,
+        p=p,
+        ode=ode,
+        alg=nothing,
+        out=out,
+        obs=obs,
+        about=f"mechanics of {crane.name}: {len(crane.links)} links, cylinders, rope, drum and load on a moving foot",
+        sources=("R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008",),
+    )
+
+
+# ---------------------------------------------------------------- variables
+def _inputs(crane: Crane, start: Equilibrium) -> tuple[Variable, ...]:
+    cylinders = [
+        Variable(f"{c.name}.force", "N", start.cylinder_forces[c.name], 1e6, about="force of the set, extending")
+        for c in crane.cylinders
+    ]
+    drives = [
+        Variable(_drive(link), "N.m" if _turns(link) else "N", start.drives[link.joint.name], 1e6, about="drive effort")
+        for link in _driven(crane)
+    ]
+    drum = Variable("drum.torque", "N.m", start.drum_torque, 1e5, about="torque on the drum, hoisting")
+    gravity = (0.0, 0.0, -GRAVITY)
+    base = [
+        *(Variable(f"base.w{i}", "rad/s", about="angular velocity of the foot, foot axes") for i in _XYZ),
+        *(Variable(f"base.al{i}", "rad/s2", about="angular acceleration of the foot, foot axes") for i in _XYZ),
+        *(Variable(f"base.a{i}", "m/s2", about="acceleration of the foot without gravity, foot axes") for i in _XYZ),
+        *(Variable(f"base.v{i}", "m/s", about="velocity of the foot, foot axes") for i in _XYZ),
+        Variable("base.z", "m", about="height of the foot above still water"),
+        *(Variable(f"base.g{i}", "m/s2", g, about="gravity, foot axes") for i, g in zip(_XYZ, gravity, strict=True)),
+    ]
+    return (*cylinders, *drives, drum, *base)
+
+
+def _states(crane: Crane, start: Equilibrium) -> tuple[Variable, ...]:
+    joints = []
+    for link, q in zip(crane.links, start.posture, strict=True):
+        unit = "rad" if _turns(link) else "m"
+        joints.append(Variable(f"{link.joint.name}.position", unit, float(q), about="joint position"))
+    for link in crane.links:
+        unit = "rad/s" if _turns(link) else "m/s"
+        joints.append(Variable(f"{link.joint.name}.rate", unit, 0.0, 0.1, about="joint rate"))
+    load = [
+        Variable(f"load.position.{i}", "m", float(r), about="load from the foot, foot axes")
+        for i, r in zip(_XYZ, start.load_position, strict=True)
+    ]
+    load += [Variable(f"load.velocity.{i}", "m/s", about="load relative to the foot, foot axes") for i in _XYZ]
+    return (
+        *joints,
+        *load,
+        Variable("rope.unstretched", "m", start.unstretched_length, about="unstretched length, drum to hook"),
+        Variable("drum.rate", "rad/s", about="drum speed, hoisting"),
+        *(Variable(f"counter.{name}", "J", 0.0, 1e6, about=about) for name, about in _counters(crane).items()),
+    )
+
+
+def _parameters(crane: Crane, load_mass: float) -> tuple[Variable, ...]:
+    def positive(name: str, unit: str, value: float, about: str) -> Variable:
+        return Variable(name, unit, value, value, minimum=0.0, about=about)
+
+    friction = [
+        positive(
+            f"{link.joint.name}.friction",
+            "N.m.s/rad" if _turns(link) else "N.s/m",
+            5e4,
+            "viscous friction of the joint",
+        )
+        for link in crane.links
+    ]
+    rotors = [
+        positive(
+            f"{link.joint.name}.rotor_inertia",
+            "kg.m2" if _turns(link) else "kg",
+            4e5,
+            "inertia of the drive's rotors reflected to the joint",
+        )
+        for link in _driven(crane)
+    ]
+    return (
+        positive("load.mass", "kg", load_mass, "mass on the hook"),
+        positive("load.drag", "N.s/m", 0.0, "linear drag of the load in still air"),
+        positive("rope.EA", "N", crane.hoist.rope.EA, "axial stiffness of the rope"),
+        positive("rope.damping_ratio", "1", crane.hoist.rope.damping_ratio, "of the load's bounce on the rope"),
+        positive("drum.radius", "m", crane.hoist.drum_radius, "radius of the rope on the drum"),
+        positive("drum.inertia", "kg.m2", 8e3, "drum and its drive's rotors, reflected to the drum"),
+        positive("drum.friction", "N.m.s/rad", 1e3, "viscous friction of the drum"),
+        *friction,
+        *rotors,
+    )
+
+
+def _counters(crane: Crane) -> dict[str, str]:
+    """Names of the energy counters, which are states, and what they count."""
+    return {
+        **{f"work_{_short(c.name)}": f"work of {c.name}" for c in crane.cylinders},
+        **{f"work_{name}": f"work of the drive of {name}" for name in driven_joints(crane)},
+        "work_drum": "work of the drum's drive",
+        "work_base": "work of the ship at the foot",
+        "dissipated": "lost to rope damping, friction and drag",
+        "carried": "elastic energy that strained rope took onto the drum",
+    }
+
+
+# ---------------------------------------------------------------- equations
+@dataclass(frozen=True)
+class _Motion:
+    """What the outputs are made of: rates of all states by name, and the quantities of the mechanism."""
+
+    rates: Mapping[str, Any]
+    cylinder_length: Any
+    cylinder_speed: Any
+    cylinder_arms: Any
+    tip: Any
+    tip_velocity: Any
+    plane: Any
+    rope: RopeLaw
+    wrench: Any
+    kinetic: Any
+    potential: Any
+
+
+def _motion(crane: Crane, s: Mapping[str, Any]) -> _Motion:
+    joints = [link.joint.name for link in crane.links]
+    q = ca.vertcat(*(s[f"{j}.position"] for j in joints))
+    qd = ca.vertcat(*(s[f"{j}.rate"] for j in joints))
+    r, v = _vector(s, "load.position."), _vector(s, "load.velocity.")
+    w, alpha, a = _vector(s, "base.w"), _vector(s, "base.al"), _vector(s, "base.a")
+    foot_velocity, gravity = _vector(s, "base.v"), _vector(s, "base.g")
+    proper = a - gravity
+
+    poses = frames(crane.links, q)
+    path = [attachment_point(point, poses) for point in (crane.hoist.drum, *crane.hoist.sheaves)]
+    tip = path[-1]
+    rope_length = path_length(path, r)
+    rope_by_q, rope_by_r = ca.jacobian(rope_length, q), ca.jacobian(rope_length, r)
+    mass, unstretched, ea = s["load.mass"], s["rope.unstretched"], s["rope.EA"]
+    winding = s["drum.radius"] * s["drum.rate"]
+    rope = rope_law(
+        rope_length,
+        stretching=rope_by_q @ qd + rope_by_r @ v + winding,
+        winding=winding,
+        unstretched=unstretched,
+        stiffness=ea,
+        damping=2 * s["rope.damping_ratio"] * ca.sqrt(ea / unstretched * mass),
+    )
+
+    cylinder_length = lengths(crane.cylinders, poses)
+    arms = ca.jacobian(cylinder_length, q)
+    speed = arms @ qd
+    cylinder_force = ca.vertcat(*(s[f"{c.name}.force"] for c in crane.cylinders))
+    friction = ca.vertcat(*(s[f"{j}.friction"] * s[f"{j}.rate"] for j in joints))
+    drive = ca.vertcat(*(s[_drive(link)] if link in _driven(crane) else 0 for link in crane.links))
+    rotor = ca.vertcat(*(s.get(f"{j}.rotor_inertia", 0) for j in joints))
+    effort = arms.T @ cylinder_force + drive - friction - rope_by_q.T * rope.tension
+    base = BaseMotion(w, alpha, proper)
+    qdd, foot_on_chain = forward_dynamics(crane.links, q, qd, effort, base, rotor)
+
+    still_air = foot_velocity + ca.cross(w, r) + v
+    rope_on_load = -rope_by_r.T * rope.tension
+    drag = -s["load.drag"] * still_air
+    fictitious = proper + ca.cross(alpha, r) + ca.cross(w, ca.cross(w, r)) + 2 * ca.cross(w, v)
+    load_acceleration = (rope_on_load + drag) / mass - fictitious
+
+    drum_rate, drum_inertia = s["drum.rate"], s["drum.inertia"]
+    drum_drag = s["drum.friction"] * drum_rate
+    drum_acceleration = (s["drum.torque"] - rope.tension * s["drum.radius"] - drum_drag) / drum_inertia
+
+    # The rope is massless, so it hands the pull of the load to the crane at the tip.
+    wrench = ca.vertcat(ca.cross(tip, -rope_on_load), -rope_on_load) - foot_on_chain
+    foot_twist = ca.vertcat(w, foot_velocity)
+    kinetic = (
+        kinetic_energy(crane.links, q, qd, foot_twist)
+        + ca.dot(rotor, qd * qd) / 2
+        + drum_inertia * drum_rate**2 / 2
+        + mass * ca.dot(still_air, still_air) / 2
+    )
+    total_mass = sum(link.mass for link in crane.links) + mass
+    moment = mass_moment(crane.links, q) + mass * r
+    potential = total_mass * ca.norm_2(gravity) * s["base.z"] - ca.dot(gravity, moment)
+
+    rates = {
+        **dict(zip((f"{j}.position" for j in joints), ca.vertsplit(qd), strict=True)),
+        **dict(zip((f"{j}.rate" for j in joints), ca.vertsplit(ca.densify(qdd)), strict=True)),
+        **dict(zip((f"load.position.{i}" for i in _XYZ), ca.vertsplit(v), strict=True)),
+        **dict(zip((f"load.velocity.{i}" for i in _XYZ), ca.vertsplit(load_acceleration), strict=True)),
+        "rope.unstretched": rope.unstretched_rate,
+        "drum.rate": drum_acceleration,
+        "counter.work_drum": s["drum.torque"] * drum_rate,
+        "counter.work_base": -ca.dot(wrench, foot_twist),
+        "counter.dissipated": rope.dissipation + ca.dot(friction, qd) + drum_drag * drum_rate - ca.dot(drag, still_air),
+        "counter.carried": rope.carried,
+    }
+    for i, cylinder in enumerate(crane.cylinders):
+        rates[f"counter.work_{_short(cylinder.name)}"] = cylinder_force[i] * speed[i]
+    for link in _driven(crane):
+        name = link.joint.name
+        rates[f"counter.work_{name}"] = s[_drive(link)] * s[f"{name}.rate"]
+    return _Motion(
+        rates=rates,
+        cylinder_length=cylinder_length,
+        cylinder_speed=speed,
+        cylinder_arms=arms,
+        tip=tip,
+        tip_velocity=ca.jacobian(tip, q) @ qd,
+        plane=poses[crane.links[0].name].axes,
+        rope=rope,
+        wrench=wrench,
+        kinetic=kinetic,
+        potential=potential,
+    )
+
+
+# ---------------------------------------------------------------- results
+def _outputs(crane: Crane, s: Mapping[str, Any], m: _Motion) -> list[tuple[Variable, Any]]:
+    out: list[tuple[Variable, Any]] = []
+
+    def give(name: str, unit: str, expression: Any, about: str) -> None:
+        out.append((Variable(name, unit, about=about), expression))
+
+    for link in crane.links:
+        name, angle = link.joint.name, _turns(link)
+        give(name, "rad" if angle else "m", s[f"{name}.position"], "joint position")
+        give(f"{name}_rate", "rad/s" if angle else "m/s", s[f"{name}.rate"], "joint rate")
+    for i, cylinder in enumerate(crane.cylinders):
+        give(f"{cylinder.name}.length", "m", m.cylinder_length[i], "length between the pins")
+        give(f"{cylinder.name}.velocity", "m/s", m.cylinder_speed[i], "speed of extension")
+        extension = m.cylinder_length[i] - geometry.retracted_length(crane, cylinder)
+        give(f"{cylinder.name}.extension", "m", extension, "extension from fully retracted")
+    give("drum.speed", "rad/s", s["drum.rate"], "drum speed, hoisting")
+    for axis in _XYZ:
+        give(f"load.{axis}", "m", s[f"load.position.{axis}"], "load from the foot, foot axes")
+    for axis in _XYZ:
+        give(f"load.v{axis}", "m/s", s[f"load.velocity.{axis}"], "load relative to the foot, foot axes")
+    for i, axis in enumerate(_XYZ):
+        give(f"tip.{axis}", "m", m.tip[i], "tip sheave from the foot, foot axes")
+    load, gravity = _vector(s, "load.position."), _vector(s, "base.g")
+    up = -gravity / ca.norm_2(gravity)
+    give("rope.tension", "N", m.rope.tension, "tension of the rope")
+    give("rope.unstretched_length", "m", s["rope.unstretched"], "unstretched length, drum to hook")
+    give("rope.stretch", "m", m.rope.stretch, "stretch of the rope; negative when slack")
+    give("rope.hanging", "m", distance(m.tip, load), "distance from the tip sheave to the hook")
+    give("radius", "m", distance(m.tip[:2], ca.DM(2, 1)), "working radius: tip from the slew axis")
+    give("hook_height", "m", s["base.z"] + ca.dot(up, load), "height of the hook above still water")
+    for i, axis in enumerate(_XYZ):
+        give(f"wrench.f{axis}", "N", m.wrench[3 + i], "force of the crane on the ship at the foot, foot axes")
+    for i, axis in enumerate(_XYZ):
+        give(f"wrench.m{axis}", "N.m", m.wrench[i], "moment of the crane on the ship about the foot, foot axes")
+    give("energy.kinetic", "J", m.kinetic, "kinetic energy in the inertial frame")
+    give("energy.potential", "J", m.potential, "potential energy over still water")
+    give("energy.rope", "J", m.rope.energy, "elastic energy of the rope")
+    counters = _counters(crane)
+    for name, about in counters.items():
+        give(f"energy.{name}", "J", s[f"counter.{name}"], about)
+    stored = m.kinetic + m.potential + m.rope.energy + s["counter.dissipated"] + s["counter.carried"]
+    work = sum(s[f"counter.{name}"] for name in counters if name.startswith("work_"))
+    give("energy.closure", "J", stored - work, "energy unaccounted for: constant on an exact solution")
+    return out
+
+
+def _observables(crane: Crane, s: Mapping[str, Any], m: _Motion) -> list[tuple[Variable, Any]]:
+    obs = []
+    for i, cylinder in enumerate(crane.cylinders):
+        joint = [link.joint.name for link in crane.links].index(cylinder.moves)
+        arm = m.cylinder_arms[i, joint]
+        turns = _turns(crane.links[joint])
+        obs.append((Variable(f"{cylinder.name}.arm", "m" if turns else "1", about="lever arm on its joint"), arm))
+        effort = Variable(f"{cylinder.name}.moment", "N.m" if turns else "N", about="moment on its joint")
+        obs.append((effort, arm * s[f"{cylinder.name}.force"]))
+    for i, axis in enumerate(_XYZ):
+        obs.append((Variable(f"tip.v{axis}", "m/s", about="tip relative to the foot, foot axes"), m.tip_velocity[i]))
+    fall = _vector(s, "load.position.") - m.tip
+    down = ca.dot(fall, _vector(s, "base.g") / ca.norm_2(_vector(s, "base.g")))
+    for name, direction in (("offlead", 0), ("sidelead", 1)):
+        about = f"angle of the rope from the vertical {'in' if direction == 0 else 'across'} the plane of the crane"
+        angle = ca.atan2(ca.dot(fall, m.plane[:, direction]), down)
+        obs.append((Variable(f"rope.{name}", "rad", about=about), angle))
+    return obs
+
+
+def _vector(s: Mapping[str, Any], prefix: str) -> Any:
+    return ca.vertcat(*(s[prefix + i] for i in _XYZ))
+
+
+def _turns(link: Link) -> bool:
+    return link.joint.kind == "revolute"
+
+
+def _driven(crane: Crane) -> list[Link]:
+    driven = driven_joints(crane)
+    return [link for link in crane.links if link.joint.name in driven]
+
+
+def _drive(link: Link) -> str:
+    return f"{link.joint.name}.{'torque' if _turns(link) else 'force'}"
+
+
+def _short(cylinder: str) -> str:
+    return cylinder.removesuffix("_cylinder")

@@ -168,13 +168,12 @@ class NativeInstance:
 
         Raises `SolveError` if they have no solution that Newton's method finds from the start values.
         """
-        for status in (
-            self._c.fmi2SetupExperiment(self._live, 0, 0.0, time, 0, 0.0),
-            self._c.fmi2EnterInitializationMode(self._live),
-            self._c.fmi2ExitInitializationMode(self._live),
+        if (
+            self._c.fmi2SetupExperiment(self._live, 0, 0.0, time, 0, 0.0) != OK
+            or self._c.fmi2EnterInitializationMode(self._live) != OK
+            or self._c.fmi2ExitInitializationMode(self._live) != OK
         ):
-            if status != OK:
-                raise self._failure()
+            raise self._failure()
 
     def step(self, time: float, size: float) -> None:
         """Advances from `time`, which must be the present time, by `size` [s], with the inputs held.

@@ -15,6 +15,7 @@ from seacrane.cosim.algorithms import Algorithm, GaussSeidel, Jacobi, Schedule
 from seacrane.cosim.bonds import BondReport
 from seacrane.cosim.execution import Execution, State, Usage
 from seacrane.cosim.function import FunctionSlave
+from seacrane.cosim.model import ModelSlave
 from seacrane.cosim.observers import CsvRecorder, MemoryRecorder, Observer
 from seacrane.cosim.slave import Instance, Interface, NativeCalls, Slave
 from seacrane.cosim.system import Bond, Connection, System
@@ -32,6 +33,7 @@ __all__ = [
     "Interface",
     "Jacobi",
     "MemoryRecorder",
+    "ModelSlave",
     "NativeCalls",
     "Observer",
     "Schedule",

@@ -366,7 +366,8 @@ class Execution:
             doing = {"set": "taking its inputs", "step": "stepping", "get": "giving its outputs"}
             what = doing.get(fault.stage, "giving its internal variables")
             status = STATUS.get(fault.status, str(fault.status))
-            self._error = CosimError.at(part.name, f"failed with status {status!r} when {what} {when}")
+            reason = f": {part.instance.message}" if part.instance.message else ""
+            self._error = CosimError.at(part.name, f"failed with status {status!r} when {what} {when}{reason}")
         raise self._error from cause
 
     def _watch(self) -> None:

@@ -7,14 +7,16 @@ the same names as those here.
 from __future__ import annotations
 
 import ctypes
+import functools
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from seacrane.cosim.native import library
 from seacrane.cosim.plan import BondIndices, Part, Plan, Rows
 from seacrane.cosim.slave import Callback, GetFunction, SetFunction, StepFunction
+from seacrane.native import build_library, source
 
 DONE, ROWS_FULL, FAULT = range(3)
 STAGES = ("set", "step", "get", "finite", "watch")
@@ -87,6 +89,15 @@ class _Plan(ctypes.Structure):
         *((n, _Address) for n in ("slaves", "connections", "bonds", "recorders", "values")),
         *((n, _Int) for n in ("done", "fault_slave", "fault_stage", "fault_status", "fault_variable")),
     ]
+
+
+@functools.cache
+def library() -> ctypes.CDLL:
+    """The loop in C, compiled on first use; `CompileError` if there is no compiler."""
+    loaded = ctypes.CDLL(str(build_library("master", source("master.c"))))
+    loaded.seacrane_run.argtypes = [ctypes.c_void_p, ctypes.c_int64]
+    loaded.seacrane_watch.argtypes = [ctypes.c_void_p]
+    return loaded
 
 
 class NativeLoop(Loop):
@@ -176,7 +187,7 @@ def _references(part: Part) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return inputs, outputs, watched
 
 
-def _callback(part: Part) -> ctypes._CFuncPtr:
+def _callback(part: Part) -> Any:
     advance = part.instance.advance
     return Callback(lambda _, time, step: advance(time, step))
 

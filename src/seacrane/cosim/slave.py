@@ -83,6 +83,11 @@ class Instance(ABC):
     failure: BaseException | None = None
     """What `advance` raised, when its status says that it failed."""
 
+    @property
+    def message(self) -> str:
+        """Why the last call failed, in the slave's own words; empty if it says nothing."""
+        return ""
+
     @abstractmethod
     def bind(self, inputs: Vector, outputs: Vector) -> None:
         """Use these arrays, in the order of the interface, for all exchange from now on."""

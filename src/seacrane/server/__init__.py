@@ -1,0 +1,9 @@
+"""A running simulation for browsers and programs: HTTP, and JSON-RPC 2.0 over WebSocket and TCP.
+
+`serve("package.module:build")` runs the simulation in a process of its own and serves it until interrupted.
+"""
+
+from seacrane.server.serve import Server, serve
+from seacrane.server.simulation import Factory, Simulation
+
+__all__ = ["Factory", "Server", "Simulation", "serve"]

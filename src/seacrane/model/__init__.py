@@ -8,7 +8,9 @@ dae = diagram.compile()
 from .component import REGISTRY, Component, initial, option, parameter, shared
 from .dae import Dae, Variable
 from .diagram import Diagram, Part, PortHandle
+from .native import NativeInstance, NativeModel, build
 from .ports import Hydraulic, Rotational, SignalIn, SignalOut, Translational
+from .simulate import simulate
 
 __all__ = [
     "REGISTRY",
@@ -16,6 +18,8 @@ __all__ = [
     "Dae",
     "Diagram",
     "Hydraulic",
+    "NativeInstance",
+    "NativeModel",
     "Part",
     "PortHandle",
     "Rotational",
@@ -23,8 +27,10 @@ __all__ = [
     "SignalOut",
     "Translational",
     "Variable",
+    "build",
     "initial",
     "option",
     "parameter",
     "shared",
+    "simulate",
 ]

@@ -164,7 +164,7 @@ def flatten(diagram: Diagram) -> Flat:
             key: PortVariables(port, across[f"{name}.{key}"], through[f"{name}.{key}"])
             if isinstance(port, PowerPort)
             else signals[f"{name}.{key}"]
-            for key, port in type(component).ports.items()
+            for key, port in component.interface().items()
         }
         equations = Equations(flat, name, ports)
         twin = symbolic_twin(component, _parameter_symbols(flat, diagram, name, component))

@@ -173,8 +173,16 @@ class Component:
                 if problem:
                     problems.append(problem)
             object.__setattr__(self, field.name, value)
-        if problems:
+        if problems or (problems := [*self.check()]):
             raise ParameterError(problems)
+
+    def check(self) -> Iterator[Problem]:
+        """What is wrong with the parameters taken together (a rod thicker than the bore); each is sound by itself."""
+        yield from ()
+
+    def interface(self) -> Mapping[str, Port]:
+        """The ports of this instance. They are those of its class, unless an option shapes them (a signal's unit)."""
+        return type(self).ports
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         """The law, as pairs (left, right); `m` is the `Equations` of this instance."""

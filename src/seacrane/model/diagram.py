@@ -37,7 +37,7 @@ class Part:
     """A component placed in a diagram; its ports are its attributes."""
 
     def __init__(self, diagram: Diagram, name: str, component: Component) -> None:
-        self._ports = {key: PortHandle(diagram, name, key, port) for key, port in type(component).ports.items()}
+        self._ports = {key: PortHandle(diagram, name, key, port) for key, port in component.interface().items()}
         self._name = name
         self.component: Final = component
 

@@ -1,0 +1,170 @@
+"""Cylinders."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import pi
+from typing import Any
+
+import casadi as ca
+
+from seacrane.errors import Problem
+from seacrane.model import Component, Hydraulic, Translational, initial, parameter
+from seacrane.numerics.regularise import limit, maximum, smooth_sign
+from seacrane.units import (
+    Area,
+    Damping,
+    Density,
+    Diameter,
+    Force,
+    Leakage,
+    Length,
+    Pressure,
+    Ratio,
+    Speed,
+    Stiffness,
+    mm,
+)
+
+from .fluid import DISSERTATION, MERRITT, bulk_modulus, density, orifice_flow, transition_pressure
+
+
+class DoubleActingCylinder(Component):
+    """A double-acting cylinder, or `count` equal ones side by side.
+
+          ┌──────────┬──────────────┐
+          │  p_a     ║   p_b  ══════╪══════►  rod: extending is positive
+          └─┬────────┴───────────┬──┘
+            a (piston side)      b (rod side)
+
+    Areas A = pi/4 bore^2 on the piston side and B = pi/4 (bore^2 - rod^2) on the rod side, per cylinder. Port flows and
+    the rod force are those of all `count` cylinders together; pressures, the extension and the law are those of one.
+    Extension x is 0 fully retracted and `stroke` fully extended. Levels:
+
+    - `simplified`: incompressible and without loss: F = A p_a - B p_b, q_a = A v, q_b = -B v. State: x.
+    - `extended`: port orifices, compressible chambers, leakage, friction and end stops. States: x, p_a, p_b.
+
+    Both report `force` [N] on the load, `extension` [m], `pressure_a` and `pressure_b` [Pa] of the chambers. Given the
+    rod speed and the port pressures, they give the rod force and the port flows.
+    """
+
+    bore: Diameter = parameter("piston diameter", above=0, most=5)
+    rod: Diameter = parameter("rod diameter", above=0, most=5)
+    stroke: Length = parameter("stroke", above=0, most=50)
+    count: Ratio = parameter("number of equal cylinders side by side", default=1, above=0, most=100)
+    extension: Length = initial("extension at the start, from fully retracted", least=-0.1, most=50)
+    ports = {
+        "a": Hydraulic("piston side"),
+        "b": Hydraulic("rod side"),
+        "rod": Translational("rod eye; extending is positive"),
+    }
+    sources = (f"{MERRITT}, section 6.1", DISSERTATION)
+
+    def check(self) -> Iterator[Problem]:
+        name = type(self).__name__
+        if self.rod >= self.bore:
+            yield Problem(f"{name}.rod", f"{self.rod / mm:g} mm must be below bore = {self.bore / mm:g} mm")
+        if self.extension > self.stroke:
+            yield Problem(f"{name}.extension", f"{self.extension:g} m must not be above stroke = {self.stroke:g} m")
+
+    @property
+    def piston_area(self) -> Area:
+        """A [m2], of one cylinder."""
+        return pi / 4 * self.bore**2
+
+    @property
+    def annulus_area(self) -> Area:
+        """B [m2], of one cylinder."""
+        return pi / 4 * (self.bore**2 - self.rod**2)
+
+    def extension_state(self, m: Any) -> Any:
+        """x [m], which follows the rod."""
+        return m.state("extension", unit="m", start=self.extension, about="extension from fully retracted")
+
+    def pushing(self, m: Any, force: Any) -> Iterator[tuple[Any, Any]]:
+        """`force` of one cylinder on the load."""
+        yield m.rod.F, -self.count * force
+        m.observe("force", self.count * force, "N", "force on the load, extending is positive")
+
+
+class SimplifiedDoubleActingCylinder(DoubleActingCylinder, level="simplified"):
+    """Incompressible, lossless, without end stops; see the interface."""
+
+    def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
+        a, b, v = self.piston_area, self.annulus_area, m.rod.v
+        yield m.der(self.extension_state(m)), v
+        yield m.a.q, self.count * a * v
+        yield m.b.q, -self.count * b * v
+        yield from self.pushing(m, a * m.a.p - b * m.b.p)
+        m.observe("pressure_a", m.a.p, "Pa", "pressure on the piston side")
+        m.observe("pressure_b", m.b.p, "Pa", "pressure on the rod side")
+
+
+class ExtendedDoubleActingCylinder(DoubleActingCylinder, level="extended"):
+    """Compressible chambers behind port orifices, with leakage, friction and end stops; per cylinder:
+
+        q_a = orifice(p_port_a - p_a)           q_b = orifice(p_port_b - p_b)          (`port_diameter`, `discharge`)
+        dp_a/dt = beta / V_a (q_a - A v - G (p_a - p_b))         V_a = A (h + x)
+        dp_b/dt = beta / V_b (q_b + B v + G (p_a - p_b))         V_b = B (h + stroke - x)
+        F = A p_a - B p_b - F_f(v) + F_s(x, v)
+        F_f = f v + (F_c + F_e exp(-(v / v_s)^2)) sign(v)        sign rounded within `friction_speed`
+        F_s = k s - c v beyond retracted (s = -x), -(k s + c v) beyond extended (s = x - stroke), never pulling
+
+    h is the height of oil left at each end (`dead_length`), G the piston leakage, f viscous and F_c Coulomb friction,
+    F_e what friction at rest exceeds it by (Stribeck, fading with v_s), k and c the stiffness and damping of the end
+    stops; c fades in over the first millimetre. There is no friction unless it is given. Locked in, the oil column of
+    height h + x has the stiffness beta A / (h + x).
+    """
+
+    port_diameter: Diameter = parameter("bore of each port", default=32 * mm, above=0, most=1)
+    discharge: Ratio = parameter("discharge coefficient of the ports", default=0.7, above=0, most=1)
+    dead_length: Length = parameter("height of oil left at each end of the stroke", default=30 * mm, above=0, most=10)
+    leakage: Leakage = parameter("leakage past the piston", default=1e-12, least=0, most=1e-6)
+    viscous_friction: Damping = parameter("viscous friction", default=0.0, least=0, most=1e9)
+    coulomb_friction: Force = parameter("Coulomb friction", default=0.0, least=0, most=1e8)
+    static_friction: Force = parameter("what friction at rest exceeds it by", default=0.0, least=0, most=1e8)
+    friction_speed: Speed = parameter("speed within which friction turns its sign", default=2e-3, above=0, most=1)
+    stribeck_speed: Speed = parameter("speed at which static friction has faded", default=10e-3, above=0, most=10)
+    stop_stiffness: Stiffness = parameter("stiffness of an end stop", default=2e8, above=0, most=1e13)
+    stop_damping: Damping = parameter("damping of an end stop", default=1e6, least=0, most=1e12)
+    density: Density = density()
+    bulk_modulus: Pressure = bulk_modulus()
+    transition_pressure: Pressure = transition_pressure()
+    pressure_a: Pressure = initial("piston-side pressure at the start (gauge)", least=-1e5, most=1e8)
+    pressure_b: Pressure = initial("rod-side pressure at the start (gauge)", least=-1e5, most=1e8)
+
+    def friction(self, v: Any) -> Any:
+        """F_f [N] at speed v."""
+        dry = self.coulomb_friction + self.static_friction * ca.exp(-((v / self.stribeck_speed) ** 2))
+        return self.viscous_friction * v + dry * smooth_sign(v, self.friction_speed)
+
+    def stops(self, x: Any, v: Any) -> tuple[Any, Any]:
+        """Force F_s [N] of the end stops on the piston, and the power [W] that goes into their springs."""
+        low, high = maximum(-x, 0.0), maximum(x - self.stroke, 0.0)
+        spring = self.stop_stiffness * (low - high)
+        push = maximum(self.stop_stiffness * low - self.stop_damping * limit(low / mm, 0.0, 1.0) * v, 0.0)
+        pull = maximum(self.stop_stiffness * high + self.stop_damping * limit(high / mm, 0.0, 1.0) * v, 0.0)
+        return push - pull, -spring * v
+
+    def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
+        a, b, n, v = self.piston_area, self.annulus_area, self.count, m.rod.v
+        x = self.extension_state(m)
+        p_a = m.state("pressure_a", unit="Pa", start=self.pressure_a, nominal=1e6, about="piston-side pressure")
+        p_b = m.state("pressure_b", unit="Pa", start=self.pressure_b, nominal=1e6, about="rod-side pressure")
+        port = pi / 4 * self.port_diameter**2
+        dp_a, dp_b = m.a.p - p_a, m.b.p - p_b
+        q_a = orifice_flow(dp_a, port, self.discharge, self.density, self.transition_pressure)
+        q_b = orifice_flow(dp_b, port, self.discharge, self.density, self.transition_pressure)
+        q_leak = self.leakage * (p_a - p_b)
+        inside = limit(x, 0.0, self.stroke)
+        squeezed_a, squeezed_b = q_a - a * v - q_leak, q_b + b * v + q_leak
+        friction = self.friction(v)
+        stop, stop_stores = self.stops(x, v)
+        yield m.a.q, n * q_a
+        yield m.b.q, n * q_b
+        yield m.der(x), v
+        yield m.der(p_a), self.bulk_modulus / (a * (self.dead_length + inside)) * squeezed_a
+        yield m.der(p_b), self.bulk_modulus / (b * (self.dead_length + self.stroke - inside)) * squeezed_b
+        yield from self.pushing(m, a * p_a - b * p_b - friction + stop)
+        m.stores(n * (p_a * squeezed_a + p_b * squeezed_b + stop_stores))
+        m.dissipates(n * (q_a * dp_a + q_b * dp_b + q_leak * (p_a - p_b) + friction * v - stop * v - stop_stores))

@@ -32,6 +32,10 @@ from seacrane.multibody.rope import RopeLaw, path_length, rope_law
 from seacrane.units import GRAVITY
 
 _XYZ = ("x", "y", "z")
+_FRICTION = 3e-3
+"""Default viscous friction [s]: share of the rated moment or pull taken at 1 rad/s or 1 m/s. An assumption."""
+_DRUM_SHARE = 0.125
+"""Default inertia of drum and rotors, as a mass on the rope: share of the rated load. An assumption."""
 
 
 def crane_mechanics(
@@ -43,7 +47,8 @@ def crane_mechanics(
     range; hanging [m]: from the tip sheave to the hook at the start. Inputs start at the forces that hold this posture.
 
     Joints moved by a cylinder take `<cylinder>.force` [N] (all cylinders of the set together, extending is positive);
-    any other joint takes `<joint>.torque` [N.m] or `<joint>.force` [N]. `drum.torque` hoists when positive.
+    any other joint takes `<joint>.torque` [N.m] or `<joint>.force` [N]. `drum.torque` hoists when positive. Frictions
+    and the drum's inertia start at a small share of the rated load, rotors at zero: set what the drives really have.
     """
     if posture is None:
         posture = [sum(link.joint.limits) / 2 if link.joint.limits else 0.0 for link in crane.links]
@@ -120,29 +125,31 @@ def _states(crane: Crane, start: Equilibrium) -> tuple[Variable, ...]:
         *joints,
         *load,
         Variable("rope.unstretched", "m", start.unstretched_length, about="unstretched length, drum to hook"),
-        Variable("drum.rate", "rad/s", about="drum speed, hoisting"),
+        Variable("drum.rate", "rad/s", about="drum speed, hoisting", shown="rpm"),
         *(Variable(f"counter.{name}", "J", 0.0, 1e6, about=about) for name, about in _counters(crane).items()),
     )
 
 
 def _parameters(crane: Crane, load_mass: float) -> tuple[Variable, ...]:
-    def positive(name: str, unit: str, value: float, about: str) -> Variable:
-        return Variable(name, unit, value, value, minimum=0.0, about=about)
+    rated_pull = GRAVITY * max(rated.mass for rated in crane.capacity)
+    rated_moment = GRAVITY * max(rated.mass * rated.radius for rated in crane.capacity)
+    radius = crane.hoist.drum_radius
 
-    friction = [
-        positive(
-            f"{link.joint.name}.friction",
-            "N.m.s/rad" if _turns(link) else "N.s/m",
-            5e4,
-            "viscous friction of the joint",
-        )
-        for link in crane.links
+    def positive(name: str, unit: str, value: float, about: str) -> Variable:
+        return Variable(name, unit, value, value or 1.0, minimum=0.0, about=about)
+
+    def friction(name: str, turns: bool, rated: float) -> Variable:
+        unit = "N.m.s/rad" if turns else "N.s/m"
+        return positive(f"{name}.friction", unit, _FRICTION * rated, f"viscous friction of {name}")
+
+    joints = [
+        friction(link.joint.name, _turns(link), rated_moment if _turns(link) else rated_pull) for link in crane.links
     ]
     rotors = [
         positive(
             f"{link.joint.name}.rotor_inertia",
             "kg.m2" if _turns(link) else "kg",
-            4e5,
+            0.0,
             "inertia of the drive's rotors reflected to the joint",
         )
         for link in _driven(crane)
@@ -152,10 +159,15 @@ def _parameters(crane: Crane, load_mass: float) -> tuple[Variable, ...]:
         positive("load.drag", "N.s/m", 0.0, "linear drag of the load in still air"),
         positive("rope.EA", "N", crane.hoist.rope.EA, "axial stiffness of the rope"),
         positive("rope.damping_ratio", "1", crane.hoist.rope.damping_ratio, "of the load's bounce on the rope"),
-        positive("drum.radius", "m", crane.hoist.drum_radius, "radius of the rope on the drum"),
-        positive("drum.inertia", "kg.m2", 8e3, "drum and its drive's rotors, reflected to the drum"),
-        positive("drum.friction", "N.m.s/rad", 1e3, "viscous friction of the drum"),
-        *friction,
+        positive("drum.radius", "m", radius, "radius of the rope on the drum"),
+        positive(
+            "drum.inertia",
+            "kg.m2",
+            _DRUM_SHARE * rated_pull / GRAVITY * radius**2,
+            "drum and its drive's rotors, reflected to the drum",
+        ),
+        friction("drum", True, rated_pull * radius),
+        *joints,
         *rotors,
     )
 
@@ -285,8 +297,8 @@ def _motion(crane: Crane, s: Mapping[str, Any]) -> _Motion:
 def _outputs(crane: Crane, s: Mapping[str, Any], m: _Motion) -> list[tuple[Variable, Any]]:
     out: list[tuple[Variable, Any]] = []
 
-    def give(name: str, unit: str, expression: Any, about: str) -> None:
-        out.append((Variable(name, unit, about=about), expression))
+    def give(name: str, unit: str, expression: Any, about: str, shown: str = "") -> None:
+        out.append((Variable(name, unit, about=about, shown=shown), expression))
 
     for link in crane.links:
         name, angle = link.joint.name, _turns(link)
@@ -297,7 +309,7 @@ def _outputs(crane: Crane, s: Mapping[str, Any], m: _Motion) -> list[tuple[Varia
         give(f"{cylinder.name}.velocity", "m/s", m.cylinder_speed[i], "speed of extension")
         extension = m.cylinder_length[i] - geometry.retracted_length(crane, cylinder)
         give(f"{cylinder.name}.extension", "m", extension, "extension from fully retracted")
-    give("drum.speed", "rad/s", s["drum.rate"], "drum speed, hoisting")
+    give("drum.speed", "rad/s", s["drum.rate"], "drum speed, hoisting", "rpm")
     for axis in _XYZ:
         give(f"load.{axis}", "m", s[f"load.position.{axis}"], "load from the foot, foot axes")
     for axis in _XYZ:
@@ -308,7 +320,7 @@ def _outputs(crane: Crane, s: Mapping[str, Any], m: _Motion) -> list[tuple[Varia
     up = -gravity / ca.norm_2(gravity)
     give("rope.tension", "N", m.rope.tension, "tension of the rope")
     give("rope.unstretched_length", "m", s["rope.unstretched"], "unstretched length, drum to hook")
-    give("rope.stretch", "m", m.rope.stretch, "stretch of the rope; negative when slack")
+    give("rope.stretch", "m", m.rope.stretch, "stretch of the rope; negative when slack", "mm")
     give("rope.hanging", "m", distance(m.tip, load), "distance from the tip sheave to the hook")
     give("radius", "m", distance(m.tip[:2], ca.DM(2, 1)), "working radius: tip from the slew axis")
     give("hook_height", "m", s["base.z"] + ca.dot(up, load), "height of the hook above still water")

@@ -17,7 +17,7 @@ from seacrane.multibody.rope import path_length
 from seacrane.units import GRAVITY
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Equilibrium:
     """What holds a crane still.
 

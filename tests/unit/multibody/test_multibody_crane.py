@@ -25,6 +25,23 @@ def model() -> Evaluation:
     return Evaluation(crane_mechanics(CRANE, MASS, POSTURE))
 
 
+def test_the_interface_is_the_one_that_drives_and_ship_connect_to(model: Evaluation) -> None:
+    foot = ["base.z"] + [f"base.{kind}{i}" for kind in ("w", "al", "a", "v", "g") for i in "xyz"]
+    forces = ["boom_cylinder.force", "jib_cylinder.force", "slew.torque", "drum.torque"]
+    assert sorted(v.name for v in model.dae.inputs) == sorted(foot + forces)
+    outputs = {v.name: v.unit for v in model.dae.outputs}
+    assert {name: outputs[name] for name in ("slew", "luff", "jib")} == dict.fromkeys(JOINTS, "rad")
+    speeds = {
+        "slew_rate": "rad/s",
+        "boom_cylinder.velocity": "m/s",
+        "jib_cylinder.velocity": "m/s",
+        "drum.speed": "rad/s",
+    }
+    assert {name: outputs[name] for name in speeds} == speeds
+    wrench = {**{f"wrench.f{i}": "N" for i in "xyz"}, **{f"wrench.m{i}": "N.m" for i in "xyz"}}
+    assert {name: outputs[name] for name in wrench} == wrench
+
+
 def state(q: np.ndarray, qd: np.ndarray, r: np.ndarray, v: np.ndarray) -> dict[str, float]:
     joints = {f"{name}.position": x for name, x in zip(JOINTS, q, strict=True)}
     rates = {f"{name}.rate": x for name, x in zip(JOINTS, qd, strict=True)}
@@ -77,6 +94,8 @@ def test_a_whole_crane_moves_as_in_mujoco(model: Evaluation, moving: bool) -> No
                 "drum.rate": speed,
                 "rope.unstretched": unstretched,
                 "slew.rotor_inertia": rotor,
+                "drum.inertia": 8e3,
+                "drum.friction": 1e3,
             }
         )
         taut += tension > 0

@@ -17,6 +17,7 @@ from seacrane.cosim.execution import Execution, State, Usage
 from seacrane.cosim.function import FunctionSlave
 from seacrane.cosim.model import ModelSlave
 from seacrane.cosim.observers import CsvRecorder, MemoryRecorder, Observer
+from seacrane.cosim.pacing import Pace, RealTime
 from seacrane.cosim.slave import Instance, Interface, NativeCalls, Slave
 from seacrane.cosim.system import Bond, Connection, System
 
@@ -36,6 +37,8 @@ __all__ = [
     "ModelSlave",
     "NativeCalls",
     "Observer",
+    "Pace",
+    "RealTime",
     "Schedule",
     "Slave",
     "State",

@@ -150,6 +150,11 @@ class Execution:
             reports[bond.name] = BondReport(**{q: float(account[ACCOUNT.index(q)]) for q in SIGNALS})
         return reports
 
+    def steps_to(self, until: float) -> int:
+        """How many macro steps lead to the first communication point at or after `until` [s]."""
+        ahead = round(until * NANOSECONDS) - self._plan.time_ns
+        return max(0, -(-ahead // self._plan.schedule.step_ns))
+
     def values(self, names: Sequence[str]) -> Vector:
         """Current values, shape (names,), each in the SI unit of its variable."""
         return self.reader(names)()
@@ -263,7 +268,7 @@ class Execution:
 
     def advance(self, until: float) -> None:
         """Go on to the first communication point at or after `until` [s]; nothing if that has passed."""
-        self.step(self._steps_to(until))
+        self.step(self.steps_to(until))
 
     def run(self, until: float, progress: Callable[[float, float], None] | None = None) -> Recording:
         """Start if need be, advance to `until` [s], and give what the first recorder in memory holds.
@@ -276,7 +281,7 @@ class Execution:
             recorder = self.record()
         self.start()
         told = wall.monotonic()
-        while (remaining := self._steps_to(until)) > 0:
+        while (remaining := self.steps_to(until)) > 0:
             self._ready()
             self._run_batch(min(self._batch, remaining))
             if progress is not None and (wall.monotonic() - told >= 0.1 or remaining <= self._batch):
@@ -379,10 +384,6 @@ class Execution:
             if recorder.rows.watches:
                 self._watch()
             append(recorder.rows, self.time, self._plan)
-
-    def _steps_to(self, until: float) -> int:
-        ahead = round(until * NANOSECONDS) - self._plan.time_ns
-        return max(0, -(-ahead // self._plan.schedule.step_ns))
 
     def _resolve(self, names: Iterable[str]) -> tuple[np.ndarray, bool]:
         """Indices into the values; `CosimError` with every name that is wrong."""

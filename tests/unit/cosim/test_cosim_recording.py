@@ -1,0 +1,114 @@
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+
+import numpy as np
+import pytest
+
+from seacrane.cosim import Execution, FunctionSlave, GaussSeidel, System
+from seacrane.errors import CosimError
+from seacrane.model.dae import Variable
+from seacrane.results import Recording
+
+
+def clock() -> System:
+    return System("clock", {"clock": FunctionSlave(lambda t, h, u: [t + h], outputs=[Variable("t", "s")])})
+
+
+@pytest.mark.parametrize("loop", ["c", "python"])
+def test_rows_come_at_the_chosen_rate_beyond_the_room_of_the_loop(loop):
+    with Execution(clock(), GaussSeidel(0.001), loop=loop) as run:
+        coarse = run.record(every=0.25)
+        fine = run.record(["clock.t"])
+        run.run(10.0)
+    assert coarse.recording().time.tolist() == [0.25 * i for i in range(41)]
+    recording = fine.recording()
+    assert len(recording) == 10_001
+    assert recording["clock.t"] == pytest.approx(recording.time, rel=1e-12)
+
+
+def test_a_recorder_may_keep_only_the_last_seconds():
+    with Execution(clock(), GaussSeidel(0.001)) as run:
+        recorder = run.record(keep=0.5)
+        run.run(20.0)
+        assert sum(len(chunk) for chunk in recorder._chunks) < 6000
+    assert recorder.recording().time[[0, -1]].tolist() == [19.5, 20.0]
+
+
+def test_a_recorder_made_in_the_middle_begins_there():
+    with Execution(clock(), GaussSeidel(0.1)) as run:
+        run.advance(1.0)
+        recorder = run.record()
+        run.advance(1.5)
+        run.flush()
+    assert recorder.recording().time.tolist() == [1.0, 1.1, 1.2, 1.3, 1.4, 1.5]
+
+
+def test_the_csv_file_holds_exactly_what_memory_holds(tmp_path):
+    with Execution(clock(), GaussSeidel(0.003)) as run:
+        recorder = run.record()
+        run.record_csv(tmp_path / "run.csv")
+        run.advance(5.0)
+    ours, file = recorder.recording(), Recording.read_csv(tmp_path / "run.csv")
+    assert np.array_equal(ours.time, file.time)
+    assert np.array_equal(ours["clock.t"], file["clock.t"])
+    assert len(file) == 1668
+
+
+def test_the_rows_before_a_failure_are_in_the_file(tmp_path):
+    def fails(t, h, u):
+        return [1 / (0.5 - t) if t != 0.5 else float("inf")]
+
+    run = Execution(System("s", {"f": FunctionSlave(fails, outputs=[Variable("y")])}), GaussSeidel(0.125))
+    run.record_csv(tmp_path / "run.csv")
+    with pytest.raises(CosimError):
+        run.advance(2.0)
+    assert Recording.read_csv(tmp_path / "run.csv").time.tolist() == [0.0, 0.125, 0.25, 0.375, 0.5]
+
+
+def test_a_file_that_cannot_be_written_is_told_at_once(tmp_path):
+    run = Execution(clock(), GaussSeidel(0.1))
+    with pytest.raises(CosimError, match=r"nowhere.run\.csv: cannot be written: No such file or directory"):
+        run.record_csv(tmp_path / "nowhere" / "run.csv")
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is always full")
+def test_a_full_disk_is_told_and_the_run_may_go_on():
+    with Execution(clock(), GaussSeidel(0.1)) as run:
+        with pytest.raises(CosimError, match="/dev/full: cannot be written: No space left on device"):
+            run.record_csv("/dev/full")
+        run.step()
+        assert run.time == 0.1
+
+
+def test_a_killed_run_leaves_a_readable_file_that_lacks_a_quarter_of_a_second_at_most(tmp_path):
+    path = tmp_path / "run.csv"
+    program = textwrap.dedent(
+        f"""
+        from seacrane.cosim import Execution, FunctionSlave, GaussSeidel, RealTime, System
+        from seacrane.model.dae import Variable
+        slave = FunctionSlave(lambda t, h, u: [t + h] * 50, outputs=[Variable(f"y{{i}}", "s") for i in range(50)])
+        run = Execution(System("s", {{"f": slave}}), GaussSeidel(0.002))
+        run.record_csv({str(path)!r})
+        pacing = RealTime(run)
+        while True:
+            pacing.advance(run.time + 0.02)
+            print(run.time, flush=True)
+        """
+    )
+    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as process:
+        reached = 0.0
+        while reached < 1.0:
+            reached = float(process.stdout.readline())
+        process.send_signal(signal.SIGKILL)
+        killed = time.monotonic()
+        last = max([reached, *map(float, process.stdout.read().split())])
+        process.wait()
+    assert time.monotonic() - killed < 5
+    recording = Recording.read_csv(path)
+    assert recording.time[-1] >= last - 0.25
+    assert len(recording.names) == 50
+    assert recording["f.y49"] == pytest.approx(recording.time, rel=1e-12)

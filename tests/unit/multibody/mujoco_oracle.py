@@ -1,7 +1,7 @@
 """Cranes as MuJoCo models, an independent program to compare with, on a foot whose motion is prescribed.
 
-The foot is a free body of almost no mass. With its acceleration prescribed, the equations of motion M a + b = f are
-solved for the other coordinates, and the foot's rows then give the force that the foot exerts on the crane.
+The foot is a free body. With its acceleration prescribed, the equations of motion M a + b = f are solved for the other
+coordinates, and the foot's rows, less what moves the foot itself, give the force that the foot exerts on the crane.
 """
 
 from __future__ import annotations
@@ -14,6 +14,9 @@ import mujoco
 import numpy as np
 
 from seacrane.design import Crane, Link
+
+FOOT_MASS = 1e5
+"""Mass [kg] and moments of inertia [kg.m2] of the foot; heavy enough for MuJoCo's own factorisation."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +64,8 @@ def _chain(links: Sequence[Link], sites: dict[str, str]) -> str:
 def _world(chain: str, rest: str = "", more: str = "") -> mujoco.MjModel:
     return mujoco.MjModel.from_xml_string(
         '<mujoco><compiler angle="radian" inertiafromgeom="false"/><option gravity="0 0 -9.81"/><worldbody>'
-        '<body name="foot"><freejoint/><inertial pos="0 0 0" mass="1e-10" diaginertia="1e-10 1e-10 1e-10"/>'
+        '<body name="foot"><freejoint/>'
+        f'<inertial pos="0 0 0" mass="{FOOT_MASS}" diaginertia={_numbers([FOOT_MASS] * 3)}/>'
         f"{chain}</body>{rest}</worldbody>{more}</mujoco>"
     )
 
@@ -170,4 +174,5 @@ def _solve(
     bias = data.qfrc_bias
     free = np.linalg.solve(mass[6:, 6:], applied - bias[6:] - mass[6:, :6] @ prescribed)
     reaction = mass[:6, :6] @ prescribed + mass[:6, 6:] @ free + bias[:6] - data.qfrc_actuator[:6]
-    return free, np.concatenate([reaction[3:], foot.axes.T @ reaction[:3]])
+    force = foot.axes.T @ reaction[:3] - FOOT_MASS * (foot.a - foot.gravity)
+    return free, np.concatenate([reaction[3:] - FOOT_MASS * foot.alpha, force])

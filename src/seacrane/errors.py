@@ -88,9 +88,11 @@ class SolveError(SeacraneError):
 
 
 class FmuError(SeacraneError):
-    """An FMU cannot be read, loaded or run."""
+    """An FMU cannot be read, loaded or run; a failed call of the standard leaves its `function` and FMI `status`."""
 
     code = "fmu"
+    function: str | None = None
+    status: int | None = None
 
 
 class CosimError(SeacraneError):

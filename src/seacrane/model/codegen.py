@@ -19,6 +19,7 @@ import casadi as ca
 from seacrane.errors import Problem, StructureError
 from seacrane.model.dae import Dae, Variable
 from seacrane.native import source
+from seacrane.units import UNITS
 
 CORE = source(
     "model.h", "core.h", "fmi2.h", "linear.c", "instance.c", "evaluate.c", "values.c", "newton.c", "integrate.c",
@@ -55,12 +56,12 @@ class Generated:
 
 
 def derivative_of(state: Variable) -> Variable:
-    """The variable `der(x)` of a state x."""
-    unit = _RATES.get(state.unit, "1")
-    return Variable(f"der({state.name})", unit, nominal=state.nominal, about=f"time derivative of {state.name}")
-
-
-_RATES = {"m": "m/s", "m/s": "m/s2", "rad": "rad/s", "rad/s": "rad/s2", "1": "1/s", "m3": "m3/s", "J": "W"}
+    """The variable `der(x)` of a state x; without a unit if there is no symbol for it."""
+    kg, m, s, rad = UNITS[state.unit].dimension
+    factor = UNITS[state.unit].factor
+    rates = (u.symbol for u in UNITS.values() if u.dimension == (kg, m, s - 1, rad) and u.factor == factor)
+    about = f"time derivative of {state.name}"
+    return Variable(f"der({state.name})", next(rates, ""), nominal=state.nominal, about=about)
 
 
 def value_references(names: Iterable[str]) -> dict[str, int]:

@@ -1,0 +1,29 @@
+"""Functional mock-up units of FMI 2.0: export our models, read, check and run anybody's."""
+
+from seacrane.errors import FmuError
+from seacrane.fmi.check import check
+from seacrane.fmi.description import (
+    CoSimulation,
+    Experiment,
+    ModelDescription,
+    ScalarVariable,
+    UnitDefinition,
+    Unknown,
+)
+from seacrane.fmi.export import export
+from seacrane.fmi.fmu import Fmu, FmuInstance, read
+
+__all__ = [
+    "CoSimulation",
+    "Experiment",
+    "Fmu",
+    "FmuError",
+    "FmuInstance",
+    "ModelDescription",
+    "ScalarVariable",
+    "UnitDefinition",
+    "Unknown",
+    "check",
+    "export",
+    "read",
+]

@@ -1,0 +1,230 @@
+"""Whether an FMU keeps FMI 2.0: all findings at once, each with the section of the standard."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+from itertools import chain
+from pathlib import Path
+from typing import Final
+
+from seacrane.errors import FmuError, Problem
+from seacrane.fmi.archive import description_text, opened
+from seacrane.fmi.description import ModelDescription, ScalarVariable, Unknown
+from seacrane.fmi.naming import is_flat, is_structured
+from seacrane.fmi.platforms import binary_path, host, platforms
+from seacrane.fmi.schema import structure_problems
+from seacrane.fmi.xml import FILE, parse_xml, read_description
+
+_ALLOWED: Final = {
+    "parameter": {"fixed": "exact", "tunable": "exact"},
+    "calculatedParameter": {"fixed": "calculated approx", "tunable": "calculated approx"},
+    "input": {"discrete": "", "continuous": ""},
+    "output": {
+        "constant": "exact",
+        "discrete": "calculated exact approx",
+        "continuous": "calculated exact approx",
+    },
+    "local": {
+        "constant": "exact",
+        "fixed": "calculated approx",
+        "tunable": "calculated approx",
+        "discrete": "calculated exact approx",
+        "continuous": "calculated exact approx",
+    },
+    "independent": {"continuous": ""},
+}
+"""Variability and initial that go with each causality (FMI 2.0.4, section 2.2.7)."""
+
+_KINDS: Final = ("dependent", "constant", "fixed", "tunable", "discrete")
+
+
+def check(path: str | Path) -> list[Problem]:
+    """All that is wrong with an FMU; an empty list if nothing was found. A file that is no FMU is a finding too."""
+    try:
+        with opened(Path(path)) as archive:
+            names = archive.namelist()
+            root = parse_xml(description_text(archive))
+    except FmuError as error:
+        return list(error.problems)
+    problems = list(structure_problems(root)) if root.tag == "fmiModelDescription" else []
+    try:
+        description = read_description(root)
+    except FmuError as error:
+        seen = {(p.path, p.message) for p in problems}
+        return problems + [p for p in error.problems if (p.path, p.message) not in seen]
+    return problems + list(
+        chain(
+            _files(description, names),
+            _variables(description),
+            _aliases(description),
+            _units(description),
+            _structure(description),
+        )
+    )
+
+
+def _problem(path: str, message: str, section: str, value: object = None, allowed: str | None = None) -> Problem:
+    return Problem(path, message, value, allowed, f"FMI 2.0.4, section {section}")
+
+
+def _files(d: ModelDescription, names: list[str]) -> Iterator[Problem]:
+    if d.co_simulation is None and not d.model_exchange:
+        yield _problem(FILE, "has neither <CoSimulation> nor <ModelExchange>", "2.2.1")
+    if not d.guid:
+        yield _problem(FILE, "the guid is empty", "2.2.1")
+    if d.co_simulation is None:
+        return
+    identifier = d.co_simulation.model_identifier
+    if not re.fullmatch(r"[A-Za-z_]\w*", identifier, re.ASCII):
+        yield _problem(FILE, "the model identifier is not a C identifier", "4.3.1", identifier)
+    present = platforms(names)
+    sources = any(name.startswith("sources/") and name.endswith(".c") for name in names)
+    if not present and not sources:
+        yield _problem("binaries", "there is neither a binary nor a source file", "2.3")
+    elif present and binary_path(identifier) not in names:
+        message = f"there is no {binary_path(identifier)}, so the FMU does not run here"
+        yield _problem("binaries", message, "2.3", ", ".join(present), host()[0])
+
+
+def _variables(d: ModelDescription) -> Iterator[Problem]:
+    fits = is_structured if d.naming == "structured" else is_flat
+    counts = Counter(v.name for v in d.variables)
+    for name, count in counts.items():
+        if count > 1:
+            yield _problem(name, f"is the name of {count} variables", "2.2.7")
+    for v in d.variables:
+        if not fits(v.name):
+            yield _problem(v.name, f"the name does not keep the {d.naming} naming convention", "2.2.9")
+        yield from _attributes(v)
+        yield from _start(v)
+        if v.derivative is not None and not 1 <= v.derivative <= len(d.variables):
+            yield _problem(v.name, "is the derivative of a variable that does not exist", "2.2.7", v.derivative)
+        if v.declared_type is not None and v.declared_type not in d.types:
+            yield _problem(v.name, "its declared type is not defined", "2.2.7", v.declared_type, ", ".join(d.types))
+    independent = [v.name for v in d.variables if v.causality == "independent"]
+    if len(independent) > 1:
+        yield _problem(", ".join(independent), "only one variable may be independent", "2.2.7")
+
+
+def _attributes(v: ScalarVariable) -> Iterator[Problem]:
+    allowed = _ALLOWED[v.causality]
+    if v.variability not in allowed:
+        yield _problem(v.name, f"causality {v.causality} does not go with this variability", "2.2.7", v.variability,
+                       ", ".join(allowed))  # fmt: skip
+    elif (v.initial or "") not in allowed[v.variability].split(" "):
+        message = f"causality {v.causality} and variability {v.variability} do not go with this initial"
+        yield _problem(v.name, message, "2.2.7", v.initial, allowed[v.variability].replace(" ", ", ") or "none")
+    if v.variability == "continuous" and v.type != "Real":
+        yield _problem(v.name, f"is {v.type}, which cannot be continuous", "2.2.7")
+    if v.minimum is not None and v.maximum is not None and v.minimum > v.maximum:
+        yield _problem(v.name, f"its minimum {v.minimum:g} is above its maximum {v.maximum:g}", "2.2.7")
+    if v.nominal is not None and not v.nominal > 0:
+        yield _problem(v.name, "its nominal value is not positive", "2.2.7", v.nominal)
+
+
+def _start(v: ScalarVariable) -> Iterator[Problem]:
+    needed = v.initial in ("exact", "approx") or v.causality == "input"
+    if needed and v.start is None:
+        yield _problem(v.name, "has no start value", "2.2.7")
+    if v.start is not None and (v.initial == "calculated" or v.causality == "independent"):
+        yield _problem(v.name, f"is {v.initial or v.causality} and must not have a start value", "2.2.7", v.start)
+    if isinstance(v.start, (int, float)) and not isinstance(v.start, bool):
+        low = v.minimum is not None and v.start < v.minimum
+        high = v.maximum is not None and v.start > v.maximum
+        if low or high:
+            yield _problem(v.name, "its start value is out of its range", "2.2.7", v.start,
+                           f"{v.minimum if v.minimum is not None else ''} to "
+                           f"{v.maximum if v.maximum is not None else ''}".strip())  # fmt: skip
+
+
+def _aliases(d: ModelDescription) -> Iterator[Problem]:
+    groups: dict[tuple[str, int], list[ScalarVariable]] = {}
+    for v in d.variables:
+        kind = "Integer" if v.type == "Enumeration" else v.type
+        groups.setdefault((kind, v.value_reference), []).append(v)
+    for (_, reference), group in groups.items():
+        if len(group) == 1:
+            continue
+        names = ", ".join(v.name for v in group)
+        settable = [v for v in group if v.causality in ("input", "parameter") or v.initial in ("exact", "approx")]
+        if len([v for v in settable if v.variability != "constant"]) > 1:
+            yield _problem(names, "share a value reference, and more than one of them can be set", "2.2.7", reference)
+        if len({v.unit for v in group}) > 1:
+            yield _problem(names, "share a value reference, but not their unit", "2.2.7", reference)
+
+
+def _units(d: ModelDescription) -> Iterator[Problem]:
+    units = {u.name: u for u in d.units}
+    for name, count in Counter(u.name for u in d.units).items():
+        if count > 1:
+            yield _problem(name, f"is defined as a unit {count} times", "2.2.2")
+    for v in d.variables:
+        unit = v.unit or (d.types.get(v.declared_type) if v.declared_type else None)
+        if unit is not None and unit not in units:
+            yield _problem(v.name, "its unit is not defined", "2.2.7", unit, ", ".join(sorted(units)))
+        elif v.display_unit is not None and (unit is None or v.display_unit not in units[unit].display):
+            allowed = ", ".join(sorted(units[unit].display)) if unit else "a unit first"
+            yield _problem(v.name, "its display unit is not defined for its unit", "2.2.7", v.display_unit, allowed)
+
+
+def _structure(d: ModelDescription) -> Iterator[Problem]:
+    count = len(d.variables)
+    groups = (("Outputs", d.outputs), ("Derivatives", d.derivatives), ("InitialUnknowns", d.initial_unknowns))
+    sound = True
+    for group, unknowns in groups:
+        for unknown in unknowns:
+            found = list(_unknown(group, unknown, count))
+            sound = sound and not found
+            yield from found
+        for index, times in Counter(u.index for u in unknowns).items():
+            if times > 1:
+                yield _problem(f"ModelStructure/{group}", f"lists the variable of index {index} {times} times", "2.2.8")
+    if not sound:
+        return
+    outputs = {i for i, v in enumerate(d.variables, start=1) if v.causality == "output"}
+    yield from _same(d, "Outputs", outputs, {u.index for u in d.outputs}, "the variables of causality output")
+    for unknown in d.derivatives:
+        v = d.variables[unknown.index - 1]
+        if v.derivative is None:
+            yield _problem(v.name, "is listed as a derivative, but does not say of which variable", "2.2.8")
+    initial = {
+        i
+        for i, v in enumerate(d.variables, start=1)
+        if (v.causality == "output" and v.initial in ("approx", "calculated")) or v.causality == "calculatedParameter"
+    }
+    for unknown in d.derivatives:
+        state = d.variables[unknown.index - 1].derivative
+        for i in (unknown.index, state):
+            if i is not None and 1 <= i <= count and d.variables[i - 1].initial in ("approx", "calculated"):
+                initial.add(i)
+    meaning = "outputs, states, their derivatives and calculated parameters that are approx or calculated"
+    yield from _same(d, "InitialUnknowns", initial, {u.index for u in d.initial_unknowns}, meaning)
+
+
+def _unknown(group: str, unknown: Unknown, count: int) -> Iterator[Problem]:
+    where = f"{FILE}:{unknown.line}"
+    if not 1 <= unknown.index <= count:
+        yield _problem(where, f"{group} lists a variable that does not exist", "2.2.8", unknown.index, f"1 to {count}")
+    wrong = [i for i in unknown.dependencies or () if not 1 <= i <= count]
+    if wrong:
+        yield _problem(where, "depends on variables that do not exist", "2.2.8", wrong, f"1 to {count}")
+    if unknown.kinds is not None:
+        if unknown.dependencies is None:
+            yield _problem(where, "has dependenciesKind without dependencies", "2.2.8")
+        elif len(unknown.kinds) != len(unknown.dependencies):
+            yield _problem(where, "has not as many entries in dependenciesKind as in dependencies", "2.2.8")
+        strange = [kind for kind in unknown.kinds if kind not in _KINDS]
+        if strange:
+            yield _problem(where, "has an unknown dependenciesKind", "2.2.8", strange[0], ", ".join(_KINDS))
+
+
+def _same(d: ModelDescription, group: str, expected: set[int], found: set[int], meaning: str) -> Iterator[Problem]:
+    for index in sorted(expected - found):
+        yield _problem(
+            f"ModelStructure/{group}", f"lacks {d.variables[index - 1].name}; it must list {meaning}", "2.2.8"
+        )
+    for index in sorted(found - expected):
+        name = d.variables[index - 1].name
+        yield _problem(f"ModelStructure/{group}", f"lists {name}; it must only list {meaning}", "2.2.8")

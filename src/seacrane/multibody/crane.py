@@ -23,19 +23,14 @@ from typing import Any
 
 import casadi as ca
 
-from seacrane.design import Crane, Link, geometry
+from seacrane.design import Crane, geometry
 from seacrane.model.dae import Dae, Variable, column
+from seacrane.multibody import interface
 from seacrane.multibody.chain import BaseMotion, forward_dynamics, frames, kinetic_energy, mass_moment
 from seacrane.multibody.cylinder import attachment_point, distance, lengths
-from seacrane.multibody.equilibrium import Equilibrium, driven_joints, static_equilibrium
+from seacrane.multibody.equilibrium import static_equilibrium
+from seacrane.multibody.interface import AXES, turns
 from seacrane.multibody.rope import RopeLaw, path_length, rope_law
-from seacrane.units import GRAVITY
-
-_XYZ = ("x", "y", "z")
-_FRICTION = 3e-3
-"""Default viscous friction [s]: share of the rated moment or pull taken at 1 rad/s or 1 m/s. An assumption."""
-_DRUM_SHARE = 0.125
-"""Default inertia of drum and rotors, as a mass on the rope: share of the rated load. An assumption."""
 
 
 def crane_mechanics(
@@ -53,7 +48,11 @@ def crane_mechanics(
     if posture is None:
         posture = [sum(link.joint.limits) / 2 if link.joint.limits else 0.0 for link in crane.links]
     start = static_equilibrium(crane, posture, load_mass, hanging)
-    inputs, states, parameters = _inputs(crane, start), _states(crane, start), _parameters(crane, load_mass)
+    inputs, states, parameters = (
+        interface.inputs(crane, start),
+        interface.states(crane, start),
+        interface.parameters(crane, load_mass),
+    )
     t = ca.SX.sym("t")
     u, x, p = (ca.SX.sym(name, len(group)) for name, group in (("u", inputs), ("x", states), ("p", parameters)))
     values = {v.name: s[i] for g, s in ((inputs, u), (states, x), (parameters, p)) for i, v in enumerate(g)}
@@ -83,105 +82,6 @@ def crane_mechanics(
         about=f"mechanics of {crane.name}: {len(crane.links)} links, cylinders, rope, drum and load on a moving foot",
         sources=("R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008",),
     )
-
-
-# ---------------------------------------------------------------- variables
-def _inputs(crane: Crane, start: Equilibrium) -> tuple[Variable, ...]:
-    cylinders = [
-        Variable(f"{c.name}.force", "N", start.cylinder_forces[c.name], 1e6, about="force of the set, extending")
-        for c in crane.cylinders
-    ]
-    drives = [
-        Variable(_drive(link), "N.m" if _turns(link) else "N", start.drives[link.joint.name], 1e6, about="drive effort")
-        for link in _driven(crane)
-    ]
-    drum = Variable("drum.torque", "N.m", start.drum_torque, 1e5, about="torque on the drum, hoisting")
-    gravity = (0.0, 0.0, -GRAVITY)
-    base = [
-        *(Variable(f"base.w{i}", "rad/s", about="angular velocity of the foot, foot axes") for i in _XYZ),
-        *(Variable(f"base.al{i}", "rad/s2", about="angular acceleration of the foot, foot axes") for i in _XYZ),
-        *(Variable(f"base.a{i}", "m/s2", about="acceleration of the foot without gravity, foot axes") for i in _XYZ),
-        *(Variable(f"base.v{i}", "m/s", about="velocity of the foot, foot axes") for i in _XYZ),
-        Variable("base.z", "m", about="height of the foot above still water"),
-        *(Variable(f"base.g{i}", "m/s2", g, about="gravity, foot axes") for i, g in zip(_XYZ, gravity, strict=True)),
-    ]
-    return (*cylinders, *drives, drum, *base)
-
-
-def _states(crane: Crane, start: Equilibrium) -> tuple[Variable, ...]:
-    joints = []
-    for link, q in zip(crane.links, start.posture, strict=True):
-        unit = "rad" if _turns(link) else "m"
-        joints.append(Variable(f"{link.joint.name}.position", unit, float(q), about="joint position"))
-    for link in crane.links:
-        unit = "rad/s" if _turns(link) else "m/s"
-        joints.append(Variable(f"{link.joint.name}.rate", unit, 0.0, 0.1, about="joint rate"))
-    load = [
-        Variable(f"load.position.{i}", "m", float(r), about="load from the foot, foot axes")
-        for i, r in zip(_XYZ, start.load_position, strict=True)
-    ]
-    load += [Variable(f"load.velocity.{i}", "m/s", about="load relative to the foot, foot axes") for i in _XYZ]
-    return (
-        *joints,
-        *load,
-        Variable("rope.unstretched", "m", start.unstretched_length, about="unstretched length, drum to hook"),
-        Variable("drum.rate", "rad/s", about="drum speed, hoisting", shown="rpm"),
-        *(Variable(f"counter.{name}", "J", 0.0, 1e6, about=about) for name, about in _counters(crane).items()),
-    )
-
-
-def _parameters(crane: Crane, load_mass: float) -> tuple[Variable, ...]:
-    rated_pull = GRAVITY * max(rated.mass for rated in crane.capacity)
-    rated_moment = GRAVITY * max(rated.mass * rated.radius for rated in crane.capacity)
-    radius = crane.hoist.drum_radius
-
-    def positive(name: str, unit: str, value: float, about: str) -> Variable:
-        return Variable(name, unit, value, value or 1.0, minimum=0.0, about=about)
-
-    def friction(name: str, turns: bool, rated: float) -> Variable:
-        unit = "N.m.s/rad" if turns else "N.s/m"
-        return positive(f"{name}.friction", unit, _FRICTION * rated, f"viscous friction of {name}")
-
-    joints = [
-        friction(link.joint.name, _turns(link), rated_moment if _turns(link) else rated_pull) for link in crane.links
-    ]
-    rotors = [
-        positive(
-            f"{link.joint.name}.rotor_inertia",
-            "kg.m2" if _turns(link) else "kg",
-            0.0,
-            "inertia of the drive's rotors reflected to the joint",
-        )
-        for link in _driven(crane)
-    ]
-    return (
-        positive("load.mass", "kg", load_mass, "mass on the hook"),
-        positive("load.drag", "N.s/m", 0.0, "linear drag of the load in still air"),
-        positive("rope.EA", "N", crane.hoist.rope.EA, "axial stiffness of the rope"),
-        positive("rope.damping_ratio", "1", crane.hoist.rope.damping_ratio, "of the load's bounce on the rope"),
-        positive("drum.radius", "m", radius, "radius of the rope on the drum"),
-        positive(
-            "drum.inertia",
-            "kg.m2",
-            _DRUM_SHARE * rated_pull / GRAVITY * radius**2,
-            "drum and its drive's rotors, reflected to the drum",
-        ),
-        friction("drum", True, rated_pull * radius),
-        *joints,
-        *rotors,
-    )
-
-
-def _counters(crane: Crane) -> dict[str, str]:
-    """Names of the energy counters, which are states, and what they count."""
-    return {
-        **{f"work_{_short(c.name)}": f"work of {c.name}" for c in crane.cylinders},
-        **{f"work_{name}": f"work of the drive of {name}" for name in driven_joints(crane)},
-        "work_drum": "work of the drum's drive",
-        "work_base": "work of the ship at the foot",
-        "dissipated": "lost to rope damping, friction and drag",
-        "carried": "elastic energy that strained rope took onto the drum",
-    }
 
 
 # ---------------------------------------------------------------- equations
@@ -232,7 +132,7 @@ def _motion(crane: Crane, s: Mapping[str, Any]) -> _Motion:
     speed = arms @ qd
     cylinder_force = ca.vertcat(*(s[f"{c.name}.force"] for c in crane.cylinders))
     friction = ca.vertcat(*(s[f"{j}.friction"] * s[f"{j}.rate"] for j in joints))
-    drive = ca.vertcat(*(s[_drive(link)] if link in _driven(crane) else 0 for link in crane.links))
+    drive = ca.vertcat(*(s.get(interface.drive_name(link), 0) for link in crane.links))
     rotor = ca.vertcat(*(s.get(f"{j}.rotor_inertia", 0) for j in joints))
     effort = arms.T @ cylinder_force + drive - friction - rope_by_q.T * rope.tension
     base = BaseMotion(w, alpha, proper)
@@ -264,8 +164,8 @@ def _motion(crane: Crane, s: Mapping[str, Any]) -> _Motion:
     rates = {
         **dict(zip((f"{j}.position" for j in joints), ca.vertsplit(qd), strict=True)),
         **dict(zip((f"{j}.rate" for j in joints), ca.vertsplit(ca.densify(qdd)), strict=True)),
-        **dict(zip((f"load.position.{i}" for i in _XYZ), ca.vertsplit(v), strict=True)),
-        **dict(zip((f"load.velocity.{i}" for i in _XYZ), ca.vertsplit(load_acceleration), strict=True)),
+        **dict(zip((f"load.position.{i}" for i in AXES), ca.vertsplit(v), strict=True)),
+        **dict(zip((f"load.velocity.{i}" for i in AXES), ca.vertsplit(load_acceleration), strict=True)),
         "rope.unstretched": rope.unstretched_rate,
         "drum.rate": drum_acceleration,
         "counter.work_drum": s["drum.torque"] * drum_rate,
@@ -274,10 +174,10 @@ def _motion(crane: Crane, s: Mapping[str, Any]) -> _Motion:
         "counter.carried": rope.carried,
     }
     for i, cylinder in enumerate(crane.cylinders):
-        rates[f"counter.work_{_short(cylinder.name)}"] = cylinder_force[i] * speed[i]
-    for link in _driven(crane):
+        rates[f"counter.work_{interface.short_name(cylinder.name)}"] = cylinder_force[i] * speed[i]
+    for link in interface.driven_links(crane):
         name = link.joint.name
-        rates[f"counter.work_{name}"] = s[_drive(link)] * s[f"{name}.rate"]
+        rates[f"counter.work_{name}"] = s[interface.drive_name(link)] * s[f"{name}.rate"]
     return _Motion(
         rates=rates,
         cylinder_length=cylinder_length,
@@ -301,7 +201,7 @@ def _outputs(crane: Crane, s: Mapping[str, Any], m: _Motion) -> list[tuple[Varia
         out.append((Variable(name, unit, about=about, shown=shown), expression))
 
     for link in crane.links:
-        name, angle = link.joint.name, _turns(link)
+        name, angle = link.joint.name, turns(link)
         give(name, "rad" if angle else "m", s[f"{name}.position"], "joint position")
         give(f"{name}_rate", "rad/s" if angle else "m/s", s[f"{name}.rate"], "joint rate")
     for i, cylinder in enumerate(crane.cylinders):
@@ -310,11 +210,11 @@ def _outputs(crane: Crane, s: Mapping[str, Any], m: _Motion) -> list[tuple[Varia
         extension = m.cylinder_length[i] - geometry.retracted_length(crane, cylinder)
         give(f"{cylinder.name}.extension", "m", extension, "extension from fully retracted")
     give("drum.speed", "rad/s", s["drum.rate"], "drum speed, hoisting", "rpm")
-    for axis in _XYZ:
+    for axis in AXES:
         give(f"load.{axis}", "m", s[f"load.position.{axis}"], "load from the foot, foot axes")
-    for axis in _XYZ:
+    for axis in AXES:
         give(f"load.v{axis}", "m/s", s[f"load.velocity.{axis}"], "load relative to the foot, foot axes")
-    for i, axis in enumerate(_XYZ):
+    for i, axis in enumerate(AXES):
         give(f"tip.{axis}", "m", m.tip[i], "tip sheave from the foot, foot axes")
     load, gravity = _vector(s, "load.position."), _vector(s, "base.g")
     up = -gravity / ca.norm_2(gravity)
@@ -324,14 +224,14 @@ def _outputs(crane: Crane, s: Mapping[str, Any], m: _Motion) -> list[tuple[Varia
     give("rope.hanging", "m", distance(m.tip, load), "distance from the tip sheave to the hook")
     give("radius", "m", distance(m.tip[:2], ca.DM(2, 1)), "working radius: tip from the slew axis")
     give("hook_height", "m", s["base.z"] + ca.dot(up, load), "height of the hook above still water")
-    for i, axis in enumerate(_XYZ):
+    for i, axis in enumerate(AXES):
         give(f"wrench.f{axis}", "N", m.wrench[3 + i], "force of the crane on the ship at the foot, foot axes")
-    for i, axis in enumerate(_XYZ):
+    for i, axis in enumerate(AXES):
         give(f"wrench.m{axis}", "N.m", m.wrench[i], "moment of the crane on the ship about the foot, foot axes")
     give("energy.kinetic", "J", m.kinetic, "kinetic energy in the inertial frame")
     give("energy.potential", "J", m.potential, "potential energy over still water")
     give("energy.rope", "J", m.rope.energy, "elastic energy of the rope")
-    counters = _counters(crane)
+    counters = interface.counters(crane)
     for name, about in counters.items():
         give(f"energy.{name}", "J", s[f"counter.{name}"], about)
     stored = m.kinetic + m.potential + m.rope.energy + s["counter.dissipated"] + s["counter.carried"]
@@ -345,11 +245,11 @@ def _observables(crane: Crane, s: Mapping[str, Any], m: _Motion) -> list[tuple[V
     for i, cylinder in enumerate(crane.cylinders):
         joint = [link.joint.name for link in crane.links].index(cylinder.moves)
         arm = m.cylinder_arms[i, joint]
-        turns = _turns(crane.links[joint])
-        obs.append((Variable(f"{cylinder.name}.arm", "m" if turns else "1", about="lever arm on its joint"), arm))
-        effort = Variable(f"{cylinder.name}.moment", "N.m" if turns else "N", about="moment on its joint")
+        turning = turns(crane.links[joint])
+        obs.append((Variable(f"{cylinder.name}.arm", "m" if turning else "1", about="lever arm on its joint"), arm))
+        effort = Variable(f"{cylinder.name}.moment", "N.m" if turning else "N", about="moment on its joint")
         obs.append((effort, arm * s[f"{cylinder.name}.force"]))
-    for i, axis in enumerate(_XYZ):
+    for i, axis in enumerate(AXES):
         obs.append((Variable(f"tip.v{axis}", "m/s", about="tip relative to the foot, foot axes"), m.tip_velocity[i]))
     fall = _vector(s, "load.position.") - m.tip
     down = ca.dot(fall, _vector(s, "base.g") / ca.norm_2(_vector(s, "base.g")))
@@ -361,21 +261,4 @@ def _observables(crane: Crane, s: Mapping[str, Any], m: _Motion) -> list[tuple[V
 
 
 def _vector(s: Mapping[str, Any], prefix: str) -> Any:
-    return ca.vertcat(*(s[prefix + i] for i in _XYZ))
-
-
-def _turns(link: Link) -> bool:
-    return link.joint.kind == "revolute"
-
-
-def _driven(crane: Crane) -> list[Link]:
-    driven = driven_joints(crane)
-    return [link for link in crane.links if link.joint.name in driven]
-
-
-def _drive(link: Link) -> str:
-    return f"{link.joint.name}.{'torque' if _turns(link) else 'force'}"
-
-
-def _short(cylinder: str) -> str:
-    return cylinder.removesuffix("_cylinder")
+    return ca.vertcat(*(s[prefix + i] for i in AXES))

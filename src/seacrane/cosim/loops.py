@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import functools
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any
@@ -15,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from seacrane.cosim.plan import BondIndices, Part, Plan, Rows
-from seacrane.cosim.slave import Callback, GetFunction, SetFunction, StepFunction
+from seacrane.cosim.slave import Callback, GetFunction, SetFunction, StepFunction, Vector
 from seacrane.native import build_library, source
 
 DONE, ROWS_FULL, FAULT = range(3)
@@ -204,28 +205,27 @@ class PythonLoop(Loop):
 
     def refresh(self) -> None:
         self._slaves = [_PythonSlave(part, self._plan) for part in self._plan.parts]
+        self._everything = _Transfer(self._plan.values, self._plan.parts)
 
     def run(self, steps: int) -> int:
         plan, values = self._plan, self._plan.values
         step_ns, start_ns = plan.schedule.step_ns, plan.start_ns
-        h = step_ns / 1e9
+        simultaneous, h = plan.schedule.simultaneous, step_ns / 1e9
         for _ in range(steps):
             t = (start_ns + plan.done * step_ns) / 1e9
             if any(rows.count == len(rows.table) for rows in plan.rows):
                 return ROWS_FULL
             before = [(values.item(b.effort_out), values.item(b.flow_out)) for b in plan.bonds]
-            if plan.schedule.simultaneous:
-                for slave in self._slaves:
-                    slave.transfer()
+            if simultaneous:
+                self._everything.transfer()
             for i, slave in enumerate(self._slaves):
-                if not plan.schedule.simultaneous:
-                    slave.transfer()
+                if not simultaneous:
+                    slave.incoming.transfer()
                 stage, status = slave.advance(t, h)
                 if stage is not None:
                     return self._failed(Fault(i, stage, status, -1))
-                finite = np.isfinite(slave.outputs)
-                if not finite.all():
-                    return self._failed(Fault(i, "finite", 0, int(np.argmin(finite))))
+                if not all(map(math.isfinite, slave.outputs.tolist())):
+                    return self._failed(Fault(i, "finite", 0, int(np.argmin(np.isfinite(slave.outputs)))))
             for bond, (effort, flow) in zip(plan.bonds, before, strict=True):
                 balance(bond, values, effort, flow, h)
             plan.done += 1
@@ -259,11 +259,24 @@ class PythonLoop(Loop):
         return FAULT
 
 
+class _Transfer:
+    """Outputs to inputs, of all connections into some slaves at once."""
+
+    def __init__(self, values: Vector, parts: list[Part]) -> None:
+        self._values = values
+        self._sources, self._targets = (np.concatenate([getattr(p, n) for p in parts]) for n in ("sources", "targets"))
+        self._gains, self._biases = (np.concatenate([getattr(p, n) for p in parts]) for n in ("gains", "biases"))
+
+    def transfer(self) -> None:
+        if self._sources.size:
+            self._values[self._targets] = self._values[self._sources] * self._gains + self._biases
+
+
 class _PythonSlave:
     """One slave's calls with their arguments made ready."""
 
     def __init__(self, part: Part, plan: Plan) -> None:
-        self.part, self.values = part, plan.values
+        self.part, self.incoming = part, _Transfer(plan.values, [part])
         self.outputs = plan.values[part.outputs]
         self._calls = part.instance.calls
         if self._calls is not None:
@@ -277,11 +290,6 @@ class _PythonSlave:
                 (handle, array.ctypes.data, array.size, base + 8 * place.start)
                 for array, place in zip(self._arrays, places, strict=True)
             )
-
-    def transfer(self) -> None:
-        part = self.part
-        if part.sources.size:
-            self.values[part.targets] = self.values[part.sources] * part.gains + part.biases
 
     def advance(self, t: float, h: float) -> tuple[str | None, int]:
         """The stage that failed, or None, and its status."""

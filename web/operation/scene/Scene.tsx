@@ -1,0 +1,99 @@
+import { Canvas, useFrame, useThree } from "@react-three/fiber";
+import { useMemo, useRef } from "react";
+import { ACESFilmicToneMapping, Object3D, PCFShadowMap, Vector3 } from "three";
+import type { ModelDescription } from "../../rpc/messages";
+import type { Session } from "../session";
+import type { View } from "../views";
+import { Cameras } from "./Cameras";
+import { Crane } from "./Crane";
+import { Director, DirectorContext } from "./director";
+import { Hoist } from "./Hoist";
+import { Sea } from "./Sea";
+import { Ship } from "./Ship";
+import { Sky } from "./Sky";
+
+// z is up, as in the physics.
+Object3D.DEFAULT_UP.set(0, 0, 1);
+
+const SUN = new Vector3(-0.62, 0.52, 0.55);
+
+interface Props {
+  session: Session;
+  model: ModelDescription;
+  view: View;
+  /** Changes each time a view is asked for, so that asking again puts the camera back. */
+  request: number;
+  onReady: () => void;
+}
+
+export default function Scene({ session, model, view, request, onReady }: Props) {
+  const director = useMemo(() => new Director(session, model), [session, model]);
+  return (
+    <Canvas
+      shadows={{ type: PCFShadowMap }}
+      dpr={[1, 2]}
+      camera={{ fov: 38, near: 0.4, far: 9000, position: [-86, 53, 25] }}
+      gl={{ toneMapping: ACESFilmicToneMapping, toneMappingExposure: 1.05, powerPreference: "high-performance" }}
+    >
+      <DirectorContext value={director}>
+        <Conductor director={director} onReady={onReady} />
+        <Sky sun={SUN} />
+        <Sunlight />
+        <Sea />
+        <Ship>
+          <group position={model.crane.pedestal as [number, number, number]}>
+            <Crane />
+            <Hoist />
+          </group>
+        </Ship>
+        <Cameras view={view} request={request} />
+      </DirectorContext>
+    </Canvas>
+  );
+}
+
+/** Brings the picture up to now before anything is drawn, and lowers its cost where drawing is slow. */
+function Conductor({ director, onReady }: { director: Director; onReady: () => void }) {
+  const told = useRef(false);
+  const pace = useRef({ since: 0, drawn: 0 });
+  const setDpr = useThree((state) => state.setDpr);
+  useFrame(() => {
+    const now = performance.now();
+    director.update(now);
+    if (director.ready && !told.current) {
+      told.current = true;
+      onReady();
+    }
+    const p = pace.current;
+    p.drawn += 1;
+    if (now - p.since > 2000) {
+      const rate = (1000 * p.drawn) / (now - p.since);
+      if (p.since > 0 && rate < 24) setDpr(rate < 8 ? 0.75 : 1);
+      pace.current = { since: now, drawn: 0 };
+    }
+  }, -1);
+  return null;
+}
+
+function Sunlight() {
+  return (
+    <>
+      <hemisphereLight args={["#cfdde8", "#25343c", 0.35]} />
+      <directionalLight
+        position={[SUN.x * 120, SUN.y * 120, SUN.z * 120]}
+        intensity={2.6}
+        color="#fff1dc"
+        castShadow
+        shadow-mapSize={[2048, 2048]}
+        shadow-camera-left={-70}
+        shadow-camera-right={70}
+        shadow-camera-top={60}
+        shadow-camera-bottom={-60}
+        shadow-camera-near={10}
+        shadow-camera-far={260}
+        shadow-bias={-0.0006}
+        shadow-normalBias={0.06}
+      />
+    </>
+  );
+}

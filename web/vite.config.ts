@@ -1,0 +1,11 @@
+import react from "@vitejs/plugin-react";
+import { defineConfig } from "vitest/config";
+
+// The built page is package data of the Python server, which serves it from its own folder.
+export default defineConfig({
+  base: "./",
+  plugins: [react()],
+  build: { outDir: "../src/seacrane/server/page", emptyOutDir: true, chunkSizeWarningLimit: 1200 },
+  server: { proxy: { "/rpc": { target: "ws://127.0.0.1:8765", ws: true }, "/api": "http://127.0.0.1:8765" } },
+  test: { environment: "happy-dom", include: ["{core,operation}/**/*.test.{ts,tsx}"] },
+});

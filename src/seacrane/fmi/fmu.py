@@ -201,8 +201,20 @@ class FmuInstance:
             return values[0]
         return np.array(values) if all(kind == "Real" for kind, _, _ in groups) else values
 
+    @property
+    def last_log(self) -> str:
+        """The last thing the FMU logged with a warning or worse; it may say why a call failed."""
+        return self._last_log
+
     def initialize(self, time: float = 0.0, stop: float | None = None, tolerance: float | None = None) -> None:
         """Sets up the experiment and goes through initialization mode; then the slave can be stepped."""
+        self.enter_initialization(time, stop, tolerance)
+        self.exit_initialization()
+
+    def enter_initialization(
+        self, time: float = 0.0, stop: float | None = None, tolerance: float | None = None
+    ) -> None:
+        """Sets up the experiment and enters initialization mode, in which outputs follow inputs that are set."""
         self._call(
             "fmi2SetupExperiment",
             int(tolerance is not None),
@@ -212,8 +224,16 @@ class FmuInstance:
             stop or 0.0,
         )
         self._call("fmi2EnterInitializationMode")
+
+    def exit_initialization(self) -> None:
+        """Leaves initialization mode; from now on the slave can be stepped."""
         self._call("fmi2ExitInitializationMode")
         self._running = True
+
+    def note_failure(self, status: int) -> None:
+        """Tells that a call through `calls` gave this status: after an error an FMU is only freed, after a fatal one not."""
+        if status in (ERROR, FATAL):
+            self._status = max(self._status, status)
 
     def step(self, time: float, size: float) -> None:
         """Advances from `time` by `size` [s]. Raises `FmuError`, with the status, if the slave does not get there."""
@@ -249,7 +269,7 @@ class FmuInstance:
         self._status = OK
 
     def close(self) -> None:
-        """Terminates and frees the slave; after an error only frees it, and after a fatal one it must not be touched."""
+        """Terminates and frees the slave; after an error only frees it, after a fatal one neither."""
         if self.handle and self._status != FATAL:
             if self._running and self._status < ERROR:
                 self._c.fmi2Terminate(self.handle)

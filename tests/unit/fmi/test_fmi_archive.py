@@ -1,0 +1,187 @@
+"""Archives that are not what they should be: each is refused with a clear word, and nothing stays behind."""
+
+import os
+import stat
+import tempfile
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from seacrane import fmi
+from seacrane.errors import FmuError
+from seacrane.fmi import archive as archive_room
+from seacrane.fmi import xml as xml_room
+
+
+@pytest.fixture
+def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder in place of the system's for temporary files, to see what stays behind."""
+    folder = tmp_path / "scratch"
+    folder.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    return folder
+
+
+def packed(path: Path, entries: dict[str, bytes | str]) -> Path:
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in entries.items():
+            archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)
+    return path
+
+
+def refused(path: Path, scratch: Path) -> str:
+    with pytest.raises(FmuError) as caught:
+        fmi.Fmu(path)
+    assert list(scratch.iterdir()) == []
+    assert [str(p) for p in fmi.check(path)]
+    return str(caught.value)
+
+
+DESCRIPTION = """<?xml version="1.0"?>
+<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g">
+  <CoSimulation modelIdentifier="m"/>
+  <ModelVariables><ScalarVariable name="x" valueReference="0"><Real/></ScalarVariable></ModelVariables>
+  <ModelStructure/>
+</fmiModelDescription>
+"""
+
+
+def test_a_file_that_is_no_zip(tmp_path: Path, scratch: Path) -> None:
+    path = tmp_path / "letter.fmu"
+    path.write_text("Dear Sir")
+    assert refused(path, scratch).endswith("letter.fmu: is not a ZIP archive, so it is not an FMU")
+    assert "cannot be read: No such file or directory" in refused(tmp_path / "none.fmu", scratch)
+    assert refused(tmp_path, scratch).endswith("is not a file")
+
+
+def test_a_truncated_zip(tmp_path: Path, scratch: Path, piston_fmu: Path) -> None:
+    path = tmp_path / "half.fmu"
+    path.write_bytes(piston_fmu.read_bytes()[:2000])
+    assert "is a truncated ZIP archive" in refused(path, scratch)
+
+
+def test_a_zip_damaged_in_the_middle(tmp_path: Path, scratch: Path, piston_fmu: Path) -> None:
+    content = bytearray(piston_fmu.read_bytes())
+    middle = len(content) // 2
+    content[middle : middle + 50] = bytes(50)
+    path = tmp_path / "damaged.fmu"
+    path.write_bytes(content)
+    with pytest.raises(FmuError, match="is a damaged ZIP archive"):
+        fmi.Fmu(path)
+    assert list(scratch.iterdir()) == []
+
+
+def test_a_zip_without_a_model_description(tmp_path: Path, scratch: Path) -> None:
+    message = refused(packed(tmp_path / "a.fmu", {"readme.txt": "hello"}), scratch)
+    assert message == "modelDescription.xml: is not at the top of the archive, so it is not an FMU"
+
+
+@pytest.mark.parametrize("name", ["../evil.txt", "/etc/evil", "a/../../evil", "C:/evil.txt"])
+def test_paths_that_lead_out_of_the_archive(tmp_path: Path, scratch: Path, name: str) -> None:
+    path = packed(tmp_path / "a.fmu", {"modelDescription.xml": DESCRIPTION, name: "x"})
+    assert refused(path, scratch) == f"{name}: is a path that leads out of the archive"
+
+
+def test_backslashes_in_paths(tmp_path: Path, scratch: Path) -> None:
+    path = packed(tmp_path / "a.fmu", {"modelDescription.xml": DESCRIPTION, "binaries\\win64\\m.dll": "x"})
+    assert "character that the standard forbids. FMI 2.0.4, section 2.3" in refused(path, scratch)
+
+
+def test_links(tmp_path: Path, scratch: Path) -> None:
+    path = tmp_path / "a.fmu"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("modelDescription.xml", DESCRIPTION)
+        link = zipfile.ZipInfo("resources/link")
+        link.external_attr = (stat.S_IFLNK | 0o777) << 16
+        archive.writestr(link, "/etc/passwd")
+    assert refused(path, scratch).startswith("resources/link: is a link or a special file")
+
+
+def test_too_many_entries_and_too_much_to_unpack(
+    tmp_path: Path, scratch: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bomb = packed(tmp_path / "bomb.fmu", {"modelDescription.xml": DESCRIPTION, "zeros": bytes(4_000_000)})
+    assert "times its size; allowed: 200 times" in refused(bomb, scratch)
+    monkeypatch.setattr(archive_room, "MOST_ENTRIES", 3)
+    many = packed(tmp_path / "many.fmu", {f"f{i}": "x" for i in range(4)})
+    assert "the archive has 4 entries; allowed: at most 3" in refused(many, scratch)
+    monkeypatch.setattr(archive_room, "LARGEST_UNPACKED", 2**20)
+    large = packed(tmp_path / "large.fmu", {"noise": os.urandom(2**21)})
+    assert "the archive unpacks to 2 MiB; allowed: at most 1 MiB" in refused(large, scratch)
+    monkeypatch.setattr(archive_room, "LARGEST_ARCHIVE", 2**20)
+    assert "is larger than 1 MiB" in refused(large, scratch)
+
+
+def test_all_problems_of_an_archive_come_at_once(tmp_path: Path) -> None:
+    path = packed(tmp_path / "a.fmu", {"../a": "x", "/b": "x", "c\\d": "x"})
+    with pytest.raises(FmuError) as caught:
+        fmi.read(path)
+    assert len(caught.value.problems) == 3
+
+
+def test_entities_and_document_types_are_refused(tmp_path: Path, scratch: Path) -> None:
+    laughs = '<!DOCTYPE x [<!ENTITY a "ha"><!ENTITY b "&a;&a;">]><fmiModelDescription modelName="&b;"/>'
+    message = refused(packed(tmp_path / "a.fmu", {"modelDescription.xml": laughs}), scratch)
+    assert "has a document type declaration; entities are not accepted in an FMU" in message
+
+
+def test_malformed_deep_and_huge_xml(tmp_path: Path, scratch: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = packed(tmp_path / "a.fmu", {"modelDescription.xml": "<a>\n<b>"})
+    assert refused(path, scratch).startswith("modelDescription.xml:2: is not well-formed XML")
+    path = packed(tmp_path / "b.fmu", {"modelDescription.xml": "<a>" * 100})
+    assert "nested more than 32 deep" in refused(path, scratch)
+    monkeypatch.setattr(xml_room, "LARGEST", 100)
+    with pytest.raises(FmuError, match="is larger than 0 MiB"):
+        xml_room.parse_xml(DESCRIPTION.encode())
+
+
+@pytest.mark.parametrize("version", ["1.0", "3.0"])
+def test_another_version_of_fmi_says_which_is_supported(tmp_path: Path, scratch: Path, version: str) -> None:
+    text = DESCRIPTION.replace('fmiVersion="2.0"', f'fmiVersion="{version}"')
+    message = refused(packed(tmp_path / "a.fmu", {"modelDescription.xml": text}), scratch)
+    assert message == (
+        f"modelDescription.xml: the FMU is of another version of FMI (got '{version}'); allowed: 2.0"
+    )  # fmt: skip
+
+
+def test_a_missing_binary_lists_those_there_are(tmp_path: Path, scratch: Path) -> None:
+    entries = {"modelDescription.xml": DESCRIPTION, "binaries/win64/m.dll": "x", "binaries/win32/m.dll": "x"}
+    message = refused(packed(tmp_path / "pump.fmu", entries), scratch)
+    assert "pump.fmu: has no binary for this platform: binaries/linux64/m.so (got 'win32, win64')" in message
+    assert "allowed: linux64" in message
+
+
+def test_a_library_that_does_not_load_leaves_nothing(tmp_path: Path, scratch: Path) -> None:
+    entries = {"modelDescription.xml": DESCRIPTION, "binaries/linux64/m.so": "not a library"}
+    path = packed(tmp_path / "a.fmu", entries)
+    with pytest.raises(FmuError, match=r"a.fmu: its library cannot be loaded: m.so: .*It may be built for another"):
+        fmi.Fmu(path)
+    assert list(scratch.iterdir()) == []
+
+
+def test_a_model_for_model_exchange_only_says_so(tmp_path: Path, scratch: Path) -> None:
+    text = DESCRIPTION.replace("CoSimulation", "ModelExchange")
+    path = packed(tmp_path / "a.fmu", {"modelDescription.xml": text})
+    with pytest.raises(FmuError, match=r"a.fmu: is for model exchange only; allowed: an FMU with a <CoSimulation>"):
+        fmi.Fmu(path)
+
+
+def test_all_problems_of_a_description_come_at_once(tmp_path: Path, scratch: Path) -> None:
+    text = DESCRIPTION.replace('valueReference="0"', 'valueReference="zero" causality="inlet"').replace(
+        "<Real/>", '<Real min="low"/>'
+    )
+    message = refused(packed(tmp_path / "a.fmu", {"modelDescription.xml": text}), scratch)
+    assert "attribute 'valueReference' of <ScalarVariable> (got 'zero'); allowed: an integer" in message
+    assert "attribute 'causality' of <ScalarVariable> (got 'inlet'); allowed: parameter, calculatedParameter" in message
+    assert "attribute 'min' of <Real> (got 'low'); allowed: a number" in message
+
+
+def test_the_private_folder_goes_with_the_fmu(piston_fmu: Path, scratch: Path) -> None:
+    with fmi.Fmu(piston_fmu) as fmu:
+        assert [p.name for p in scratch.iterdir()] == [fmu.folder.name]
+        assert fmu.folder.stat().st_mode & 0o077 == 0
+    assert list(scratch.iterdir()) == []
+    forgotten = fmi.Fmu(piston_fmu)
+    del forgotten
+    assert list(scratch.iterdir()) == []

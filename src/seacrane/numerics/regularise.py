@@ -34,11 +34,11 @@ def smooth_sign(x: Any, width: Any) -> Any:
 def positive_part(x: Any, width: Any) -> Any:
     """max(x, 0), rounded by a parabola where |x| < `width` (> 0), and exact elsewhere.
 
-    Slope continuous and in [0, 1]; largest error width/4, at zero.
+    Slope continuous and in [0, 1]; largest error width/4, at zero. Never negative, not even by a rounding error.
     """
-    near = minimum(x, width)
-    inside = maximum(near, -width)
-    return (inside + width) * (inside + width) / (4 * width) + (x - near)
+    over = maximum(x - width, 0.0)
+    inside = maximum(x - over + width, 0.0)
+    return inside * inside / (4 * width) + over
 
 
 def smooth_limit(x: Any, low: Any, high: Any, width: Any) -> Any:

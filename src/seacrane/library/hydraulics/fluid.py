@@ -38,4 +38,4 @@ def orifice_flow(dp: Any, area: Any, discharge: Any, density: Any, transition: A
 
 def rated_flow(dp: Any, flow: Any, at: Any, transition: Any) -> Any:
     """The same law for an opening that lets pass `flow` [m3/s] under the drop `at` [Pa], as a data sheet gives it."""
-    return flow * signed_sqrt(dp, transition) / at**0.5
+    return flow * signed_sqrt(dp, transition) / signed_sqrt(at, transition)

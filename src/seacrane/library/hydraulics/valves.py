@@ -12,7 +12,7 @@ from typing import Any
 
 from seacrane.errors import Problem
 from seacrane.model import Component, Hydraulic, SignalIn, parameter
-from seacrane.numerics.regularise import limit, minimum, positive_part, smooth_limit
+from seacrane.numerics.regularise import limit, maximum, minimum, positive_part, smooth_limit
 from seacrane.units import AngularSpeed, FlowRate, Pressure, Ratio, Time, bar
 
 from .fluid import DISSERTATION, MERRITT, rated_flow, transition_pressure
@@ -162,7 +162,7 @@ class DynamicCounterbalanceValve(CounterbalanceValve, level="dynamic"):
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         k = m.state("relief_position", unit="1", about="opening of the relief, of full area")
         yield m.der(k), (self.relief_opening(m) - k) / self.time_constant
-        yield from self.paths(m, k)
+        yield from self.paths(m, maximum(k, 0.0))
 
 
 # ---------------------------------------------------------------- pressure limiting

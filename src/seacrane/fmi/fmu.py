@@ -231,7 +231,7 @@ class FmuInstance:
         self._running = True
 
     def note_failure(self, status: int) -> None:
-        """Tells that a call through `calls` gave this status: after an error an FMU is only freed, after a fatal one not."""
+        """Tells that a call through `calls` gave this status, which decides how the slave may still be closed."""
         if status in (ERROR, FATAL):
             self._status = max(self._status, status)
 

@@ -74,7 +74,7 @@ class Cylinder(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     name: Annotated[str, Meta(min_length=1)]
     moves: Annotated[str, Meta(description="name of the joint it moves")]
-    count: Annotated[int, Meta(ge=1, description="number of cylinders side by side")] = 1
+    count: Annotated[int, Meta(ge=1, le=16, description="number of cylinders side by side")] = 1
     bore: Annotated[Diameter, Meta(gt=0, description="piston diameter")]
     rod: Annotated[Diameter, Meta(gt=0, description="rod diameter")]
     stroke: Annotated[Length, Meta(gt=0, description="travel from end to end")]

@@ -1,29 +1,26 @@
 """What makes a design a crane: every check in one place, for files and for designs built in Python alike.
 
-`examine` walks the data by the types of `seacrane.design.crane`: it turns texts with units into SI by the `Quantity`
-of the field and holds every value to the constraints written there. It collects problems and goes on; what it could
-not read is left out, and the checks between parts work with what is there.
+Three passes, which together report all there is to mend: `walk` holds every value to its type, unit and bounds; the
+checks between parts (names, inertia, limits, capacity) work with what could be read; the geometry of the cylinders is
+looked at last, on a whole crane.
 """
 
 from __future__ import annotations
 
-import functools
 import itertools
 import math
-import operator
-import types
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Annotated, Any, Final, Literal, Union, get_args, get_origin, get_type_hints
+from collections.abc import Iterator
+from typing import Final
 
-import msgspec
+import numpy as np
 
-from seacrane.design.crane import Crane, Joint
+from seacrane.design.crane import Crane
 from seacrane.design.geometry import cylinder_range, retracted_length
-from seacrane.errors import Problem, UnitError, nearest
-from seacrane.units import UNITS, Length, Quantity, compatible, parse
+from seacrane.design.walk import UNREAD, Tree, Walk, build, label, plain
+from seacrane.errors import Problem, nearest
 
-_UNREAD: Final = object()
-Tree = dict[str, Any]
+_SHORTEST_AXIS: Final = 1e-6
+"""An axis shorter than this, or longer than its inverse, is a mistake rather than a direction."""
 
 
 def check(crane: Crane) -> list[Problem]:
@@ -31,207 +28,29 @@ def check(crane: Crane) -> list[Problem]:
 
     The same checks as on reading a file, except that every quantity must be a number in SI.
     """
-    return examine(_tree(crane), texts=False)[1]
+    return examine(plain(crane), texts=False)[1]
 
 
 def examine(data: object, *, texts: bool = True) -> tuple[Crane | None, list[Problem]]:
     """The crane in `data` (plain dicts, lists, numbers, texts) and all problems found; no crane if there are any."""
-    walk = _Walk(texts)
+    walk = Walk(texts)
     tree = walk.value(data, Crane, "")
     problems = walk.problems
-    if tree is _UNREAD:
+    if tree is UNREAD:
         return None, problems
     skeleton = _duplicates(tree) + _strangers(tree) + _axes(tree)
     problems += skeleton + _parts(tree)
     if skeleton or not walk.complete:
         return None, problems  # there is no chain whose geometry could be looked at
-    crane = _build(Crane, tree)
+    crane = build(Crane, tree)
     problems += _strokes(crane)
     return (None, problems) if problems else (crane, [])
-
-
-def _tree(value: Any) -> Any:
-    if isinstance(value, msgspec.Struct):
-        return {name: _tree(getattr(value, name)) for name in value.__struct_fields__}
-    if isinstance(value, list | tuple):
-        return [_tree(item) for item in value]
-    return value
-
-
-@functools.cache
-def _hints(kind: type) -> dict[str, Any]:
-    return {name: hint for name, hint in get_type_hints(kind, include_extras=True).items() if name in _fields(kind)}
-
-
-@functools.cache
-def _fields(kind: type) -> dict[str, Any]:
-    return {f.name: f for f in msgspec.structs.fields(kind)}
-
-
-def _peel(annotation: Any) -> tuple[Any, list[Any], bool]:
-    """The bare type, all that is annotated on it, and whether None is allowed."""
-    extras: list[Any] = []
-    optional = False
-    while True:
-        if get_origin(annotation) is Annotated:
-            annotation, *more = get_args(annotation)
-            extras += more
-        elif get_origin(annotation) in (Union, types.UnionType):
-            annotation = next(a for a in get_args(annotation) if a is not type(None))
-            optional = True
-        else:
-            return annotation, extras, optional
-
-
-def _build(annotation: Any, tree: Any) -> Any:
-    kind, _, _ = _peel(annotation)
-    if tree is None:
-        return None
-    if isinstance(kind, type) and issubclass(kind, msgspec.Struct):
-        return kind(**{name: _build(_hints(kind)[name], value) for name, value in tree.items()})
-    if get_origin(kind) is tuple:
-        inner = get_args(kind)
-        return tuple(_build(inner[0], item) for item in tree)  # a design has only tuples of one type
-    return tree
-
-
-class _Walk:
-    """One pass over the data: SI tree out, problems collected."""
-
-    def __init__(self, texts: bool) -> None:
-        self.texts = texts
-        self.problems: list[Problem] = []
-        self.complete = True
-
-    def unread(self, path: str, message: str, **more: Any) -> object:
-        self.problems.append(Problem(path, message, **more))
-        self.complete = False
-        return _UNREAD
-
-    def value(self, raw: Any, annotation: Any, path: str) -> Any:
-        kind, extras, optional = _peel(annotation)
-        if raw is None and optional:
-            return None
-        if isinstance(kind, type) and issubclass(kind, msgspec.Struct):
-            return self.record(raw, kind, path)
-        if get_origin(kind) is tuple:
-            return self.series(raw, kind, extras, path)
-        if get_origin(kind) is Literal:
-            allowed = get_args(kind)
-            if raw not in allowed:
-                return self.unread(path, "is none of the known values", value=raw, allowed=", ".join(allowed))
-            return raw
-        if kind is str:
-            return self.text(raw, extras, path)
-        return self.number(raw, kind, extras, path)
-
-    def record(self, raw: Any, kind: type[msgspec.Struct], path: str) -> Any:
-        if not isinstance(raw, Mapping):
-            return self.unread(path, f"must be an object with the fields of a {kind.__name__.lower()}", value=raw)
-        hints = dict(_hints(kind))
-        if kind is Joint and raw.get("kind") == "prismatic":
-            hints["limits"] = tuple[Length, Length] | None
-        result: Tree = {}
-        for name in raw:
-            if name not in hints:
-                self.unread(_join(path, str(name)), "is not a field here", hint=nearest(str(name), hints))
-        for name, hint in hints.items():
-            if name in raw:
-                value = self.value(raw[name], hint, _join(path, name))
-                if value is not _UNREAD:
-                    result[name] = value
-            elif _fields(kind)[name].required:
-                self.unread(_join(path, name), "is missing" + _about(hint))
-        return result
-
-    def series(self, raw: Any, kind: Any, extras: list[Any], path: str) -> Any:
-        inner = get_args(kind)
-        if not isinstance(raw, Sequence) or isinstance(raw, str):
-            return self.unread(path, "must be a list", value=raw)
-        if inner[-1] is not Ellipsis and len(raw) != len(inner):
-            return self.unread(path, f"must have {len(inner)} entries", value=list(raw))
-        least = next((e.min_length for e in extras if isinstance(e, msgspec.Meta) and e.min_length), 0)
-        if len(raw) < least:
-            return self.unread(path, f"must have at least {least} entry")
-        values = [self.value(item, inner[0], f"{path}[{_label(item, i)}]") for i, item in enumerate(raw)]
-        fixed = inner[-1] is not Ellipsis
-        return _UNREAD if fixed and _UNREAD in values else [v for v in values if v is not _UNREAD]
-
-    def text(self, raw: Any, extras: list[Any], path: str) -> Any:
-        if not isinstance(raw, str):
-            return self.unread(path, "must be a text", value=raw)
-        if any(isinstance(e, msgspec.Meta) and e.min_length for e in extras) and not raw.strip():
-            return self.unread(path, "must not be empty")
-        return raw
-
-    def number(self, raw: Any, kind: type, extras: list[Any], path: str) -> Any:
-        quantity = next((e for e in extras if isinstance(e, Quantity)), Quantity("1"))
-        value: float
-        if isinstance(raw, str) and self.texts and kind is float:
-            try:
-                value = parse(raw, quantity.unit, path)
-            except UnitError as error:
-                return self.refused(error.problems[0], raw, quantity, extras)
-        elif isinstance(raw, bool) or not isinstance(raw, int if kind is int else int | float):
-            needed = "a whole number" if kind is int else f"a number in {quantity.unit}"
-            return self.unread(path, f"must be {needed}" + _about_extras(extras), value=raw)
-        else:
-            try:
-                value = raw if kind is int else float(raw)
-            except OverflowError:
-                value = math.inf
-        if not math.isfinite(value):
-            return self.unread(path, "must be a finite number", value=str(raw))
-        self.bounds(value, raw, extras, path)
-        question = quantity.slip(value)
-        if question is not None:
-            self.problems.append(Problem(path, "is implausible", value=raw, hint=question))
-        return value
-
-    def refused(self, problem: Problem, raw: str, quantity: Quantity, extras: list[Any]) -> object:
-        symbol = raw.strip().lstrip("+-.0123456789eE").strip()
-        message = problem.message
-        if symbol in UNITS and not compatible(symbol, quantity.unit):
-            message = f"cannot be given in {symbol!r}" + _about_extras(extras)
-        return self.unread(problem.path, message, value=raw, allowed=problem.allowed, hint=problem.hint)
-
-    def bounds(self, value: float, raw: Any, extras: list[Any], path: str) -> None:
-        for meta in (e for e in extras if isinstance(e, msgspec.Meta)):
-            for limit, holds, words in (
-                (meta.gt, operator.gt, "above"),
-                (meta.ge, operator.ge, "at least"),
-                (meta.lt, operator.lt, "below"),
-                (meta.le, operator.le, "at most"),
-            ):
-                if limit is not None and not holds(value, limit):
-                    self.problems.append(Problem(path, f"must be {words} {limit:g}" + _about_extras(extras), value=raw))
-
-
-def _join(path: str, name: str) -> str:
-    return f"{path}.{name}" if path else name
-
-
-def _label(item: Any, index: int) -> str:
-    name = item.get("name") if isinstance(item, Mapping) else None
-    return name if isinstance(name, str) and name else str(index)
-
-
-def _about(annotation: Any) -> str:
-    return _about_extras(_peel(annotation)[1])
-
-
-def _about_extras(extras: list[Any]) -> str:
-    words = next((e.description for e in extras if isinstance(e, msgspec.Meta) and e.description), "")
-    quantity = next((e for e in extras if isinstance(e, Quantity)), None)
-    symbol = f"[{quantity.unit}]" if quantity is not None and quantity.unit != "1" else ""
-    text = " ".join(part for part in (words, symbol) if part)
-    return f": {text}" if text else ""
 
 
 # ---------------------------------------------------------------- between the parts
 def _named(tree: Tree, group: str) -> Iterator[tuple[str, Tree]]:
     for index, item in enumerate(tree.get(group, ())):
-        yield f"{group}[{_label(item, index)}]", item
+        yield f"{group}[{label(item, index)}]", item
 
 
 def _names(tree: Tree) -> tuple[list[str], list[str]]:
@@ -270,6 +89,8 @@ def _duplicates(tree: Tree) -> list[Problem]:
 
 def _strangers(tree: Tree) -> list[Problem]:
     """Names that lead nowhere: attachments on unknown links, cylinders and slewing on unknown joints."""
+    if "links" not in tree:
+        return []  # that they cannot be read is said already
     links, joints = _names(tree)
     found = [
         Problem(
@@ -294,9 +115,9 @@ def _strangers(tree: Tree) -> list[Problem]:
 def _axes(tree: Tree) -> list[Problem]:
     joints = ((f"{path}.joint.axis", link.get("joint", {}).get("axis")) for path, link in _named(tree, "links"))
     return [
-        Problem(path, "has no direction", value=axis, allowed="any vector but zero")
+        Problem(path, "has no direction", value=axis, allowed="any vector but zero, best of length 1")
         for path, axis in joints
-        if axis is not None and not any(axis)
+        if axis is not None and not _SHORTEST_AXIS <= math.hypot(*axis) <= 1 / _SHORTEST_AXIS
     ]
 
 
@@ -400,7 +221,11 @@ def _strokes(crane: Crane) -> list[Problem]:
             continue
         if limits[0] >= limits[1]:
             continue  # said already
-        shortest, longest = cylinder_range(crane, cylinder)
+        with np.errstate(over="ignore", invalid="ignore"):
+            shortest, longest = cylinder_range(crane, cylinder)
+        if not math.isfinite(longest - shortest):
+            problems.append(Problem(path, "its pins are too far apart for any crane"))
+            continue
         if longest - shortest < 1e-9:
             continue  # both pins on one side of the joint: said already
         travel = f"the pins are {shortest:.4g} to {longest:.4g} m apart over the joint's limits"

@@ -14,6 +14,7 @@ watches).
 from seacrane.cosim.algorithms import Algorithm, GaussSeidel, Jacobi, Schedule
 from seacrane.cosim.bonds import BondReport
 from seacrane.cosim.execution import Execution, State, Usage
+from seacrane.cosim.fmu import FmuSlave
 from seacrane.cosim.function import FunctionSlave
 from seacrane.cosim.model import ModelSlave
 from seacrane.cosim.observers import CsvRecorder, MemoryRecorder, Observer
@@ -28,6 +29,7 @@ __all__ = [
     "Connection",
     "CsvRecorder",
     "Execution",
+    "FmuSlave",
     "FunctionSlave",
     "GaussSeidel",
     "Instance",

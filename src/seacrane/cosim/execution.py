@@ -354,6 +354,7 @@ class Execution:
 
     def _fail(self, fault: Fault) -> None:
         part = self._plan.parts[fault.slave]
+        part.instance.failed(fault.status)
         begin, end = self.time, (self._plan.time_ns + self._plan.schedule.step_ns) / 1e9
         when = f"in the step from t = {begin:.9g} to {end:.9g} s"
         cause = part.instance.failure

@@ -112,6 +112,10 @@ class Instance(ABC):
     def advance(self, time: float, step: float) -> int:
         """From `time` to `time + step` [s] with the bound inputs held; the FMI 2 status (0, or 1 for a warning)."""
 
+    def failed(self, status: int) -> None:
+        """Told when a call through `calls` gave an FMI 2 status that ends the run."""
+        del status
+
     @abstractmethod
     def save(self) -> bytes:
         """The whole state; `CosimError` if this slave cannot."""

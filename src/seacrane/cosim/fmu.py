@@ -1,0 +1,140 @@
+"""Slaves from FMU files (FMI 2.0 for co-simulation)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+
+from seacrane import fmi
+from seacrane.cosim.compiled import CompiledInstance, started
+from seacrane.cosim.slave import Instance, Interface, Slave, check_values
+from seacrane.errors import ParameterError, Problem
+from seacrane.model.dae import Variable
+from seacrane.units import UNITS, Unit
+
+
+class FmuSlave(Slave):
+    """An FMU as a slave. It is read here, and unpacked and loaded when it is first instantiated.
+
+    `parameters` gives values of parameters, and start values of inputs and of other variables that have one, by name,
+    in the units of the FMU. Inputs and outputs are its Real variables of that causality; its other Real variables can
+    be recorded as well. What cannot be exchanged, because it is no Real or its unit is unknown here, is `left_out`.
+
+    `FmuError` if the file is not an FMU that runs here, `ParameterError` naming every value that does not fit.
+    """
+
+    def __init__(self, path: str | Path, parameters: Mapping[str, float] | None = None) -> None:
+        self.path = Path(path)
+        self.description = fmi.read(self.path)
+        self.parameters = dict(parameters or {})
+        groups: dict[str, list[Variable]] = {"input": [], "output": [], "parameter": [], "local": [], "start": []}
+        left_out = []
+        units = {unit.name: _known(unit) for unit in self.description.units}
+        for v in self.description.variables:
+            symbol = _symbol(v, units)
+            group = "local" if v.causality == "calculatedParameter" else v.causality
+            if v.type == "String" or symbol is None or (v.type != "Real" and group in ("input", "output")):
+                left_out.append(v.name)
+            elif group == "parameter" or v.type == "Real":
+                groups.setdefault(group, []).append(_variable(v, symbol))
+                if group == "local" and v.start is not None:
+                    groups["start"].append(_variable(v, symbol))
+        self.left_out = tuple(left_out)
+        settable = (*groups["parameter"], *groups["input"], *groups["start"])
+        check_values(self.parameters, settable, self.path.name)
+        self._interface = Interface(
+            inputs=started(groups["input"], self.parameters),
+            outputs=tuple(groups["output"]),
+            parameters=started(groups["parameter"], self.parameters),
+            watchable=tuple(groups["local"]),
+        )
+
+    @property
+    def interface(self) -> Interface:
+        return self._interface
+
+    @property
+    def about(self) -> str:
+        return self.description.description or f"FMU {self.path.name}"
+
+    @cached_property
+    def fmu(self) -> fmi.Fmu:
+        """The unpacked FMU; its private folder is removed when this slave is no longer used."""
+        return fmi.Fmu(self.path)
+
+    def instantiate(self, name: str) -> Instance:
+        inner = self.fmu.instantiate(name)
+        references = {v.name: v.value_reference for v in self.description.variables if v.type == "Real"}
+        instance = FmuSlaveInstance(name, inner, self._interface, references)
+        instance.set(self.parameters)
+        return instance
+
+
+class FmuSlaveInstance(CompiledInstance):
+    """An instance of an FMU, which stays in initialisation mode until the coupled start values are found."""
+
+    inner: fmi.FmuInstance
+    _begun = False
+
+    def set(self, values: Mapping[str, float]) -> None:
+        if self._begun:
+            variables = self.inner.fmu.description.by_name
+            problems = [
+                Problem(f"{self._name}.{n}", f"is {variables[n].variability} and can be set before the start only")
+                for n in values
+                if variables[n].variability != "tunable"
+            ]
+            if problems:
+                raise ParameterError(problems)
+        super().set(values)
+
+    def initialise(self, time: float) -> None:
+        self._give()
+        self.inner.enter_initialization(time)
+
+    def begin(self) -> None:
+        self.inner.exit_initialization()
+        self._begun = True
+
+    @property
+    def message(self) -> str:
+        return self.inner.last_log
+
+    def failed(self, status: int) -> None:
+        self.inner.note_failure(status)
+
+
+def _variable(v: fmi.ScalarVariable, symbol: str) -> Variable:
+    start = 0.0 if v.start is None or isinstance(v.start, str) else float(v.start)
+    return Variable(
+        v.name,
+        symbol,
+        start,
+        v.nominal or 1.0,
+        -math.inf if v.minimum is None else v.minimum,
+        math.inf if v.maximum is None else v.maximum,
+        v.description,
+        v.display_unit if v.display_unit in UNITS else "",
+    )
+
+
+def _symbol(v: fmi.ScalarVariable, units: Mapping[str, str | None]) -> str | None:
+    """The symbol of the unit of an FMU's variable, or None if it is unknown here."""
+    if not v.unit:
+        return "1"
+    return v.unit if v.unit in UNITS else units.get(v.unit)
+
+
+def _known(definition: fmi.UnitDefinition) -> str | None:
+    """The symbol of the unit with the exponents and the factor of an FMU's definition."""
+    exponents = {name: n for name, n in definition.exponents.items() if n}
+    dimension = tuple(exponents.pop(base, 0) for base in ("kg", "m", "s", "rad"))
+    if exponents or definition.offset or definition.name in UNITS:
+        return definition.name if definition.name in UNITS else None
+
+    def same(unit: Unit) -> bool:
+        return unit.dimension == dimension and math.isclose(unit.factor, definition.factor, rel_tol=1e-12)
+
+    return next((unit.symbol for unit in UNITS.values() if same(unit)), None)

@@ -153,7 +153,7 @@ class Dispatcher(Generic[Caller]):
         try:
             request = _decode_request(data)
         except msgspec.ValidationError as error:
-            return refusal(INVALID_REQUEST, f"not a JSON-RPC 2.0 request: {error}", _id_of(data))
+            return _refuse_request(data, error)
         except _MALFORMED as error:
             return refusal(PARSE_ERROR, f"not valid JSON: {error}")
         wants_answer = not isinstance(request.id, msgspec.UnsetType)
@@ -219,12 +219,16 @@ class _Refused(Exception):
         self.error = error
 
 
-def _id_of(data: bytes) -> Id:
-    """The id of a request that is wrong otherwise, where it has a proper one."""
+def _refuse_request(data: bytes, error: Exception) -> bytes:
+    """The refusal of what is no request, with its id where it has a proper one."""
+    id: Id = None
     try:
-        return _decode_id(data).id
-    except _MALFORMED:
-        return None
+        id = _decode_id(data).id
+    except msgspec.ValidationError:
+        pass
+    except _MALFORMED as malformed:
+        return refusal(PARSE_ERROR, f"not valid JSON: {malformed}")
+    return refusal(INVALID_REQUEST, f"not a JSON-RPC 2.0 request: {error}", id)
 
 
 def _problems(code: str, problems: tuple[Problem, ...]) -> dict[str, Any]:

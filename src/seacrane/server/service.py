@@ -184,7 +184,7 @@ class Service:
         sender.add_done_callback(lambda task: _lost(task, link))
         try:
             async for message in messages:
-                if not client.rate.allows(now()):
+                if not client.rate.allows(now(), len(message)):
                     _log.warning("client %d asks too often and is cut off", client.number)
                     link.abort()
                     return

@@ -156,7 +156,7 @@ class Execution:
         return max(0, -(-ahead // self._plan.schedule.step_ns))
 
     def values(self, names: Sequence[str]) -> Vector:
-        """Current values, shape (names,), each in the SI unit of its variable."""
+        """Current values, shape (names,), each in the unit of its variable (SI in our own models)."""
         return self.reader(names)()
 
     def reader(self, names: Sequence[str]) -> Callable[..., Vector]:
@@ -176,7 +176,7 @@ class Execution:
 
     # ------------------------------------------------------------ setting
     def set(self, name: str, value: float) -> None:
-        """Set an input that nothing drives, or a parameter, in its SI unit, from the next macro step on."""
+        """Set an input that nothing drives, or a parameter, in its unit, from the next macro step on."""
         causality = self._require(name)
         slave, _, variable = name.partition(".")
         if causality == "input":
@@ -250,8 +250,9 @@ class Execution:
             settle(self._plan, self._inputs_set)
             for part in self._plan.parts:
                 part.instance.begin()
-        except SeacraneError as error:
-            self._error = error
+        except BaseException as error:
+            interrupted = CosimError.at("", f"the start was interrupted by {type(error).__name__}")
+            self._error = error if isinstance(error, SeacraneError) else interrupted
             raise
         self._started = True
         for recorder in self._recorders:

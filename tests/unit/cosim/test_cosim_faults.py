@@ -1,0 +1,141 @@
+"""What a slave in C may answer, from a slave in C that answers what it is told."""
+
+import ctypes
+import math
+
+import pytest
+
+from seacrane.cosim import Execution, FunctionSlave, GaussSeidel, Instance, Interface, NativeCalls, Slave, System
+from seacrane.errors import CosimError
+from seacrane.model.dae import Variable
+from seacrane.native import build_library
+
+SOURCE = """
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+struct slave { double u, y, when, value; int set, step, get; };
+int slave_set(struct slave *s, const uint32_t *r, size_t n, const double *v) {
+    for (size_t i = 0; i < n; ++i) s->u = v[i] + 0.0 * r[i];
+    return s->y >= s->when ? s->set : 0;
+}
+int slave_step(struct slave *s, double t, double h, int discard) {
+    (void)discard;
+    s->y = t + h;
+    return s->y > s->when ? s->step : 0;
+}
+int slave_get(struct slave *s, const uint32_t *r, size_t n, double *v) {
+    for (size_t i = 0; i < n; ++i) v[i] = r[i] && s->y > s->when ? s->value : s->y;
+    return s->y > s->when ? s->get : 0;
+}
+"""
+
+
+class Memory(ctypes.Structure):
+    _fields_ = (
+        *((name, ctypes.c_double) for name in ("u", "y", "when", "value")),
+        *((name, ctypes.c_int) for name in ("set", "step", "get")),
+    )
+
+
+class Obedient(Slave):
+    """Beyond t = `when` its functions return these statuses, and its second output is `value`."""
+
+    def __init__(self, when=0.45, value=1.0, **statuses):
+        self.given = {"when": when, "value": value, **statuses}
+        self.told = []
+
+    @property
+    def interface(self):
+        return Interface((Variable("u"),), (Variable("y"), Variable("z")))
+
+    def instantiate(self, name):
+        return ObedientInstance(self)
+
+
+class ObedientInstance(Instance):
+    def __init__(self, slave):
+        library = ctypes.CDLL(str(build_library("obedient", {"obedient.c": SOURCE}, ["-fvisibility=default"])))
+        address = {
+            n: ctypes.cast(getattr(library, f"slave_{n}"), ctypes.c_void_p).value for n in ("set", "step", "get")
+        }
+        self.memory = Memory(**slave.given)
+        self.slave = slave
+        self.calls = NativeCalls(ctypes.addressof(self.memory), references={"u": 0, "y": 0, "z": 1}, **address)
+
+    def bind(self, inputs, outputs):
+        self.outputs = outputs
+
+    def evaluate(self):
+        self.outputs[:] = self.memory.y
+
+    def initialise(self, time):
+        self.memory.y = time
+
+    def failed(self, status):
+        self.slave.told.append(status)
+
+    def advance(self, time, step):
+        raise AssertionError("the loops call the C functions")
+
+    def set(self, values):
+        pass
+
+    def begin(self):
+        pass
+
+    def save(self):
+        return bytes(self.memory)
+
+    def restore(self, state):
+        ctypes.memmove(ctypes.addressof(self.memory), state, ctypes.sizeof(self.memory))
+
+    def close(self):
+        pass
+
+
+def run_of(slave, loop):
+    system = System("s", {"clock": FunctionSlave(lambda t, h, u: [t], outputs=[Variable("t")]), "c": slave})
+    system.connect("clock.t", "c.u")
+    return Execution(system, GaussSeidel(0.125), loop=loop)
+
+
+LOOPS = pytest.mark.parametrize("loop", ["c", "python"])
+
+
+@LOOPS
+@pytest.mark.parametrize(("status", "word"), [(2, "discard"), (3, "error"), (4, "fatal"), (5, "pending"), (-1, "-1")])
+@pytest.mark.parametrize(
+    ("stage", "doing"), [("set", "taking its inputs"), ("step", "stepping"), ("get", "giving its outputs")]
+)
+def test_every_status_worse_than_a_warning_stops_in_its_macro_step(loop, status, word, stage, doing):
+    slave = Obedient(**{stage: status})
+    run = run_of(slave, loop)
+    recorder = run.record(["c.y"])
+    # The inputs of the step from 0.5 are the first that are taken beyond 0.45.
+    begin, end = (0.5, 0.625) if stage == "set" else (0.375, 0.5)
+    with pytest.raises(CosimError) as caught:
+        run.advance(2.0)
+    message = f"c: failed with status '{word}' when {doing} in the step from t = {begin:g} to {end:g} s"
+    assert str(caught.value) == message
+    assert slave.told == [status]
+    assert recorder.recording().time[-1] == run.time == begin
+
+
+@LOOPS
+@pytest.mark.parametrize("stage", ["set", "step", "get"])
+def test_a_warning_is_no_failure(loop, stage):
+    run = run_of(Obedient(**{stage: 1}), loop)
+    run.advance(2.0)
+    assert run.values(["c.y"])[0] == 2.0
+
+
+@LOOPS
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_an_output_that_is_not_finite_stops_in_its_macro_step(loop, value):
+    run = run_of(Obedient(value=value), loop)
+    recorder = run.record()
+    with pytest.raises(CosimError) as caught:
+        run.advance(2.0)
+    assert str(caught.value) == f"c.z: is not finite in the step from t = 0.375 to 0.5 s (got {value!r})"
+    assert recorder.recording()["c.z"].tolist() == [0.0, 0.125, 0.25, 0.375]

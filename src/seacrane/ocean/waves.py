@@ -80,8 +80,8 @@ class WaveList:
     def elevation_grid(self, x: ArrayLike, y: ArrayLike, t: float) -> Array:
         """Elevation (nx, ny) [m] on the rectangular grid of x (nx) and y (ny) [m] at one time t [s].
 
-        cos(X + Y) = cos X cos Y - sin X sin Y makes the sum two matrix products, some thirty times faster than the direct
-        sum; the two agree to rounding.
+        cos(X + Y) = cos X cos Y - sin X sin Y makes the sum two matrix products, some thirty times faster than the
+        direct sum; the two agree to rounding.
         """
         kx, ky = self._wave_numbers
         phase = np.remainder(self.phase - self.omega * t, 2 * math.pi)

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -134,13 +135,16 @@ def test_no_reader_ever_sees_half_a_frame(descriptor):
             while reader.state is shared.State.BUILDING:
                 assert writer.poll() is None
             reader.open()
-            frames = [reader.latest() for _ in range(5000)]
+            frames: list[shared.Frame] = []
+            deadline = time.monotonic() + 8
+            while len({frame.seq for frame in frames}) < 100:
+                assert time.monotonic() < deadline
+                frames += [reader.latest() for _ in range(200)]
         finally:
             writer.kill()
     assert all(frame.values.min() == frame.values.max() == frame.time for frame in frames)
     sequence = [frame.seq for frame in frames]
     assert sequence == sorted(sequence)
-    assert len(set(sequence)) > 100
 
 
 def test_an_error_crosses_with_all_its_problems(descriptor):

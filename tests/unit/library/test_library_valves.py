@@ -75,6 +75,24 @@ def test_a_closed_edge_keeps_its_leakage(law):
     assert values["b.q"] == pytest.approx(-1e-3 * FLOW, rel=1e-4)
 
 
+def test_a_floating_centre_bleeds_both_working_ports_and_fades_over_the_dead_band(law):
+    floating = valve43(float_centre=0.1, dead_band=0.05)
+    pressures = {"p.p": DROP, "a.p": DROP, "b.p": DROP}
+    for spool, expected in ((0.0, 0.1), (0.025, 0.1 * 0.75**2), (-0.025, 0.1 * 0.75**2)):
+        values = law(floating, pressures | {"x": spool})
+        assert values["a.q"] / FLOW == values["b.q"] / FLOW == pytest.approx(expected)
+    assert law(floating, pressures | {"x": 1.0})["a.q"] == 0.0
+
+
+def test_a_floating_centre_without_a_dead_band_is_refused():
+    with pytest.raises(ParameterError) as caught:
+        valve43(float_centre=0.1, dead_band=0.0)
+    assert str(caught.value) == (
+        "StaticDirectionalValve43.float_centre: needs a dead band to fade out in (got 0.1);"
+        " allowed: 0, or dead_band above 0"
+    )
+
+
 def test_the_dynamic_spool_at_rest_is_where_the_static_one_is(law):
     dynamic = hyd.DirectionalValve43(flow=FLOW, at=DROP, level="dynamic", natural_frequency=60.0)
     static = hyd.DirectionalValve43(flow=FLOW, at=DROP, level="static")

@@ -119,7 +119,7 @@ class ExtendedDoubleActingCylinder(DoubleActingCylinder, level="extended"):
     port_diameter: Diameter = parameter("bore of each port", default=32 * mm, above=0, most=1)
     discharge: Ratio = parameter("discharge coefficient of the ports", default=0.7, above=0, most=1)
     dead_length: Length = parameter("height of oil left at each end of the stroke", default=30 * mm, above=0, most=10)
-    leakage: Leakage = parameter("leakage past the piston", default=1e-12, least=0, most=1e-6)
+    leakage: Leakage = parameter("leakage past the piston", default=1e-14, least=0, most=1e-6)
     viscous_friction: Damping = parameter("viscous friction", default=0.0, least=0, most=1e9)
     coulomb_friction: Force = parameter("Coulomb friction", default=0.0, least=0, most=1e8)
     static_friction: Force = parameter("what friction at rest exceeds it by", default=0.0, least=0, most=1e8)

@@ -18,6 +18,7 @@ from seacrane.units import AngularSpeed, FlowRate, Pressure, Ratio, Time, bar
 from .fluid import DISSERTATION, MERRITT, rated_flow, transition_pressure
 
 ROUNDING = 0.01
+_NARROWEST_DEAD_BAND = 1e-6  # keeps a quotient finite where there is no dead band, and no floating centre either
 
 
 def opening(pressure: Any, crack: Any, full: Any) -> Any:
@@ -43,14 +44,20 @@ class DirectionalValve43(Component):
 
     Opening of an edge, with s = (|x| - dead_band) / (1 - dead_band):  max(s, 0), corner rounded (see the module), never
     above 1, plus `leakage`. Flow of an edge: opening * flow * sqrt(|dp| / at) sign(dp). The valve turns the sum of
-    q dp into heat. Given the four pressures, gives the four flows. Levels: `static` (the spool is where the command
-    is) and `dynamic` (it follows as a second-order lag).
+    q dp into heat. Given the four pressures, gives the four flows.
+
+    With `float_centre` above 0 both working ports are open to tank by that much at mid-spool, fading out over the dead
+    band as (1 - (x/dead_band)^2)^2. A counterbalance valve needs it: behind a closed centre, leakage raises the pilot
+    pressure until the load creeps.
+
+    Levels: `static` (the spool is where the command is) and `dynamic` (it follows as a second-order lag).
     """
 
     flow: FlowRate = parameter("flow through one edge, fully open, at the rated pressure drop", above=0, most=1)
     at: Pressure = parameter("rated pressure drop per edge", above=0, most=1e8)
     dead_band: Ratio = parameter("overlap of the spool, of full travel", default=0.05, least=0, most=0.9)
     leakage: Ratio = parameter("opening that remains on a closed edge, of full area", default=1e-4, least=0, most=0.1)
+    float_centre: Ratio = parameter("opening of a and b to t at mid-spool, of full area", default=0.0, least=0, most=1)
     transition_pressure: Pressure = transition_pressure()
     ports = {
         "x": SignalIn("1", "spool command", minimum=-1, maximum=1),
@@ -61,10 +68,18 @@ class DirectionalValve43(Component):
     }
     sources = (f"{MERRITT}, chapter 5", DISSERTATION)
 
+    def check(self) -> Iterator[Problem]:
+        if self.float_centre > 0 and self.dead_band == 0:
+            name = f"{type(self).__name__}.float_centre"
+            yield Problem(name, "needs a dead band to fade out in", self.float_centre, "0, or dead_band above 0")
+
     def edges(self, m: Any, spool: Any) -> Iterator[tuple[Any, Any]]:
         """The flows of the four edges for this spool position."""
         pa = minimum(positive_part((spool - self.dead_band) / (1 - self.dead_band), ROUNDING), 1.0)
         pb = minimum(positive_part((-spool - self.dead_band) / (1 - self.dead_band), ROUNDING), 1.0)
+
+        within = spool / maximum(self.dead_band, _NARROWEST_DEAD_BAND)
+        floating = self.float_centre * maximum(1 - within * within, 0.0) ** 2
 
         def edge(fraction: Any, upper: Any, lower: Any) -> Any:
             dp = upper.p - lower.p
@@ -72,8 +87,8 @@ class DirectionalValve43(Component):
             m.dissipates(q * dp)
             return q
 
-        q_pa, q_bt = edge(pa, m.p, m.a), edge(pa, m.b, m.t)
-        q_pb, q_at = edge(pb, m.p, m.b), edge(pb, m.a, m.t)
+        q_pa, q_bt = edge(pa, m.p, m.a), edge(pa + floating, m.b, m.t)
+        q_pb, q_at = edge(pb, m.p, m.b), edge(pb + floating, m.a, m.t)
         yield m.p.q, q_pa + q_pb
         yield m.a.q, q_at - q_pa
         yield m.b.q, q_bt - q_pb

@@ -45,7 +45,7 @@ def opened(path: Path) -> Iterator[zipfile.ZipFile]:
             if problems:
                 raise FmuError(problems[:_MOST_SHOWN])
             yield archive
-    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, ValueError) as error:
+    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, ValueError, OSError) as error:
         raise FmuError.at(str(path), f"is a damaged ZIP archive: {error}") from None
 
 
@@ -74,6 +74,8 @@ def _problems(archive: zipfile.ZipFile, size: int) -> Iterator[Problem]:
             yield Problem(name, "is a link or a special file, which an FMU may not hold")
         if entry.flag_bits & 1:
             yield Problem(name, "is encrypted")
+        if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+            yield Problem(name, "is compressed by another method than deflate", hint="FMI 2.0.4, section 2.3")
         if name in names:
             yield Problem(name, "is in the archive twice")
         names.add(name)

@@ -9,6 +9,7 @@ with Fmu("pump.fmu") as pump, pump.instantiate("pump1") as run:
 
 from __future__ import annotations
 
+import _ctypes
 import ctypes
 import logging
 import shutil
@@ -83,6 +84,8 @@ class Fmu:
             except BaseException:
                 self._remove()
                 raise
+        self._instances = 0
+        self._unloaded = False
         self.calls = Calls(
             *(_address(getattr(self.library, name)) for name in ("fmi2SetReal", "fmi2GetReal", "fmi2DoStep"))
         )
@@ -110,11 +113,16 @@ class Fmu:
 
     def instantiate(self, name: str = "", *, logging: bool = False) -> FmuInstance:
         """A new slave; `logging` asks the FMU for its debug log. Raises `FmuError` if it refuses."""
+        if self._unloaded:
+            raise FmuError.at(self.path.name, "has been closed")
         return FmuInstance(self, name or self.description.model_name, logging)
 
     def close(self) -> None:
-        """Removes the private folder. Instances must be closed before."""
+        """Removes the private folder and unloads the library, which stays while an instance of it is not closed."""
         self._remove()
+        if not self._instances and not self._unloaded:
+            self._unloaded = True
+            _ctypes.dlclose(self.library._handle)  # ctypes itself never unloads: many loads would fill the memory
 
     def __enter__(self) -> Self:
         return self
@@ -172,6 +180,7 @@ class FmuInstance:
             error = FmuError.at(name, f"fmi2Instantiate gave no instance{self._said()}")
             error.function = "fmi2Instantiate"
             raise error
+        fmu._instances += 1
 
     def set(self, names: str | int | Sequence[str | int], values: Any) -> None:
         """Sets variables by name (a number is the value reference of a Real): Real, Integer, Boolean or String."""
@@ -274,6 +283,7 @@ class FmuInstance:
             if self._running and self._status < ERROR:
                 self._c.fmi2Terminate(self.handle)
             self._c.fmi2FreeInstance(self.handle)
+            self.fmu._instances -= 1
         self.handle = 0
 
     def __enter__(self) -> Self:

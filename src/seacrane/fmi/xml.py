@@ -76,6 +76,8 @@ def parse_xml(text: bytes) -> Element:
         parser.Parse(text, True)
     except expat.ExpatError as error:
         raise FmuError.at(_at(error.lineno), f"is not well-formed XML: {expat.ErrorString(error.code)}") from None
+    except (LookupError, ValueError) as error:
+        raise FmuError.at(FILE, f"has an encoding that cannot be read: {error}") from None
     return root.children[0]
 
 
@@ -112,10 +114,20 @@ class _Reader:
         return self._convert(element, name, _boolean, "true or false") or False
 
     def integer(self, element: Element, name: str) -> int | None:
-        return self._convert(element, name, int, "an integer")
+        return self._convert(element, name, _integer, "an integer")
+
+    def reference(self, element: Element) -> int:
+        self.text(element, "valueReference", None)
+        value = self.integer(element, "valueReference")
+        if value is not None and not 0 <= value < 2**32:
+            message = f"attribute 'valueReference' of <{element.tag}>"
+            self.problems.append(Problem(_at(element.line), message, value, "0 to 4294967295"))
+        return value or 0
 
     def indices(self, element: Element, name: str) -> tuple[int, ...] | None:
-        return self._convert(element, name, lambda s: tuple(int(i) for i in s.split()), "a list of variable indices")
+        return self._convert(
+            element, name, lambda s: tuple(_integer(i) for i in s.split()), "a list of variable indices"
+        )
 
     def start(self, element: Element) -> Value | None:
         if element.tag == "Real":
@@ -139,7 +151,18 @@ class _Reader:
 
 def _real(text: str) -> float:
     special = {"INF": math.inf, "-INF": -math.inf, "NaN": math.nan}
-    return special[text] if text in special else float(text)
+    return special[text] if text in special else float(_plain(text))
+
+
+def _integer(text: str) -> int:
+    return int(_plain(text))
+
+
+def _plain(text: str) -> str:
+    """The text of a number, without what only Python reads as part of one."""
+    if "_" in text:
+        raise ValueError(text)
+    return text
 
 
 def _boolean(text: str) -> bool:
@@ -240,12 +263,9 @@ def _variable(reader: _Reader, element: Element) -> ScalarVariable:
     initial = element.attributes.get("initial")
     if initial is not None:
         initial = reader.choice(element, "initial", INITIALS, "exact")
-    reference = reader.integer(element, "valueReference")
-    if reference is None:
-        reader.text(element, "valueReference", None)
     return ScalarVariable(
         name=reader.text(element, "name", None),
-        value_reference=reference or 0,
+        value_reference=reader.reference(element),
         type=typed.tag,
         causality=causality,
         variability=variability,

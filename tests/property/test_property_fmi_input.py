@@ -1,0 +1,85 @@
+"""Whatever bytes arrive as an FMU, the answer is a result or an `FmuError`, never another exception."""
+
+import contextlib
+import io
+import tempfile
+import zipfile
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from seacrane import fmi
+from seacrane.errors import FmuError
+from seacrane.fmi.archive import opened, unpack
+from seacrane.fmi.xml import parse_xml, read_description
+
+SOUND = b"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g" variableNamingConvention="structured">
+  <CoSimulation modelIdentifier="m" canInterpolateInputs="true"/>
+  <UnitDefinitions><Unit name="m"><BaseUnit m="1"/><DisplayUnit name="mm" factor="1000"/></Unit></UnitDefinitions>
+  <DefaultExperiment startTime="0" stopTime="1"/>
+  <ModelVariables>
+    <ScalarVariable name="u" valueReference="1" causality="input"><Real unit="m" start="0"/></ScalarVariable>
+    <ScalarVariable name="y" valueReference="2" causality="output"><Real/></ScalarVariable>
+  </ModelVariables>
+  <ModelStructure>
+    <Outputs><Unknown index="2" dependencies="1" dependenciesKind="dependent"/></Outputs>
+    <InitialUnknowns><Unknown index="2"/></InitialUnknowns>
+  </ModelStructure>
+</fmiModelDescription>
+"""
+
+QUICK = settings(
+    max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True
+)
+
+
+def archive_of(text: bytes) -> bytes:
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr(zipfile.ZipInfo("modelDescription.xml"), text)
+        archive.writestr(zipfile.ZipInfo("binaries/linux64/m.so"), b"x" * 100)
+    return buffer.getvalue()
+
+
+def spliced(content: bytes, place: float, length: int, piece: bytes) -> bytes:
+    start = int(place * len(content))
+    return content[:start] + piece + content[start + length :]
+
+
+splices = {
+    "place": st.floats(0, 1),
+    "length": st.integers(0, 12),
+    "piece": st.binary(max_size=12) | st.sampled_from([b"-1", b"1e999", b"NaN", b'"', b"<", b"&a;", b"99999999999"]),
+}
+
+
+@QUICK
+@given(**splices)
+def test_a_description_with_a_piece_replaced(place: float, length: int, piece: bytes, tmp_path: Path) -> None:
+    text = spliced(SOUND, place, length, piece)
+    with contextlib.suppress(FmuError):
+        read_description(parse_xml(text))
+    path = tmp_path / "m.fmu"
+    path.write_bytes(archive_of(text))
+    assert all(str(problem) for problem in fmi.check(path))
+
+
+@QUICK
+@given(**splices)
+def test_an_archive_with_a_piece_replaced(place: float, length: int, piece: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "m.fmu"
+    path.write_bytes(spliced(archive_of(SOUND), place, length, piece))
+    with tempfile.TemporaryDirectory(dir=tmp_path) as folder, contextlib.suppress(FmuError), opened(path) as archive:
+        unpack(archive, Path(folder))
+    assert [p.name for p in tmp_path.iterdir()] == ["m.fmu"]
+
+
+def test_the_sound_one_passes(tmp_path: Path) -> None:
+    path = tmp_path / "m.fmu"
+    path.write_bytes(archive_of(SOUND))
+    assert fmi.check(path) == []
+    with pytest.raises(FmuError, match="cannot be loaded"):
+        fmi.Fmu(path)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from functools import cached_property
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from seacrane import fmi
@@ -29,6 +28,8 @@ class FmuSlave(Slave):
         self.path = Path(path)
         self.description = fmi.read(self.path)
         self.parameters = dict(parameters or {})
+        self._loaded: fmi.Fmu | None = None
+        self._open = 0
         groups: dict[str, list[Variable]] = {"input": [], "output": [], "parameter": [], "local": [], "start": []}
         left_out = []
         units = {unit.name: _known(unit) for unit in self.description.units}
@@ -59,24 +60,47 @@ class FmuSlave(Slave):
     def about(self) -> str:
         return self.description.description or f"FMU {self.path.name}"
 
-    @cached_property
-    def fmu(self) -> fmi.Fmu:
-        """The unpacked FMU; its private folder is removed when this slave is no longer used."""
-        return fmi.Fmu(self.path)
-
     def instantiate(self, name: str) -> Instance:
-        inner = self.fmu.instantiate(name)
+        """A new instance. The FMU is unpacked and loaded with the first and gone with the last that is open."""
+        fmu = self._loaded = self._loaded or fmi.Fmu(self.path)
+        self._open += 1
         references = {v.name: v.value_reference for v in self.description.variables if v.type == "Real"}
-        instance = FmuSlaveInstance(name, inner, self._interface, references)
-        instance.set(self.parameters)
+        try:
+            inner = fmu.instantiate(name)
+        except BaseException:
+            self._closed()
+            raise
+        instance = FmuSlaveInstance(name, inner, self._interface, references, self._closed)
+        try:
+            instance.set(self.parameters)
+        except BaseException:
+            instance.close()
+            raise
         return instance
+
+    def _closed(self) -> None:
+        self._open -= 1
+        if self._open == 0 and self._loaded is not None:
+            self._loaded.close()
+            self._loaded = None
 
 
 class FmuSlaveInstance(CompiledInstance):
     """An instance of an FMU, which stays in initialisation mode until the coupled start values are found."""
 
     inner: fmi.FmuInstance
-    _begun = False
+
+    def __init__(
+        self,
+        name: str,
+        inner: fmi.FmuInstance,
+        interface: Interface,
+        references: Mapping[str, int],
+        closed: Callable[[], None],
+    ) -> None:
+        super().__init__(name, inner, interface, references)
+        self._begun = self._over = False
+        self._told_when_closed = closed
 
     def set(self, values: Mapping[str, float]) -> None:
         if self._begun:
@@ -97,6 +121,12 @@ class FmuSlaveInstance(CompiledInstance):
     def begin(self) -> None:
         self.inner.exit_initialization()
         self._begun = True
+
+    def close(self) -> None:
+        if not self._over:
+            self._over = True
+            super().close()
+            self._told_when_closed()
 
     @property
     def message(self) -> str:

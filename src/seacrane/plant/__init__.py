@@ -1,0 +1,11 @@
+"""From a design to a running system.
+
+system = plant.build(design.load("offshore-100t"), vessel=vessel.Fixed())
+with cosim.Execution(system, cosim.GaussSeidel(step=0.002)) as run:
+    recording = run.run(until=20.0)
+"""
+
+from .assembly import POSTURE, Start, build
+from .drives import Hydraulics, Motors, cylinder_drive, slew_drive, winch_drive
+
+__all__ = ["POSTURE", "Hydraulics", "Motors", "Start", "build", "cylinder_drive", "slew_drive", "winch_drive"]

@@ -1,0 +1,166 @@
+"""From a design to a running system: the drives as FMUs, the crane, the ship and the operator's control, coupled.
+
+    ship ──► crane                foot motion; the crane's wrench goes back to the ship
+    joystick ──► drives           spools
+    drives ◄═══► crane            power bonds: force and rod speed, torque and shaft speed
+
+The slaves step in the order ship, joystick, drives, crane: a drive gets the newest motion and the crane the newest
+force, which keeps stiff hydraulics stable at steps that a simultaneous exchange would not survive.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from seacrane import fmi
+from seacrane.control import Joystick
+from seacrane.control.joystick import Axis
+from seacrane.cosim import FmuSlave, FunctionSlave, ModelSlave, System
+from seacrane.design import Crane, Cylinder, geometry
+from seacrane.model import Dae, Diagram
+from seacrane.model import build as compiled
+from seacrane.multibody import Equilibrium, crane_mechanics, static_equilibrium
+from seacrane.native import cache_folder
+from seacrane.units import Length, Mass, deg
+from seacrane.vessel import Fixed, Harmonic
+
+from .drives import Hydraulics, cylinder_drive, slew_drive, winch_drive
+
+POSTURE = {"slew": 90 * deg, "luff": 50 * deg, "jib": -70 * deg}
+"""Where a crane starts unless told otherwise: over the side, boom half up, jib folded."""
+
+VALVE_DEAD_BAND = 0.05
+"""Overlap of the drives' spools, which the joystick control jumps over."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """The state in which a plant starts: joint values [rad] by name, the load [kg], and how far it hangs [m]."""
+
+    posture: Mapping[str, float]
+    load: Mass = 40e3
+    hanging: Length = 14.0
+
+    def joints(self, crane: Crane) -> list[float]:
+        """The posture in the order of the crane's joints."""
+        return [self.posture.get(link.joint.name, 0.0) for link in crane.links]
+
+
+def build(
+    crane: Crane,
+    *,
+    vessel: Fixed | Harmonic | None = None,
+    start: Start | None = None,
+    hydraulics: Hydraulics | None = None,
+) -> System:
+    """The whole plant of `crane` as a co-simulation system, at rest in static equilibrium.
+
+    Slaves: `ship`, `joystick`, `slew_drive`, one drive for each cylinder set, `winch_drive`, `crane`. Drives are
+    exported as FMUs (kept in the cache) and run from there. Bonds: one for each drive and six at the crane's foot.
+    """
+    start, hydraulics = start or Start(POSTURE), hydraulics or Hydraulics()
+    joints = start.joints(crane)
+    rest = static_equilibrium(crane, joints, start.load, start.hanging)
+    system = System(crane.name)
+    system.add("ship", ModelSlave((vessel or Fixed()).model(crane.pedestal)))
+    system.add("joystick", joystick(crane, rest))
+    for diagram in drives(crane, rest, start, hydraulics):
+        system.add(diagram.name, FmuSlave(as_fmu(diagram)))
+    mechanics = crane_mechanics(crane, start.load, joints, start.hanging)
+    system.add("crane", ModelSlave(mechanics, _rotors(crane, mechanics, hydraulics)))
+    _couple(system, crane)
+    return system
+
+
+def _rotors(crane: Crane, mechanics: Dae, hydraulics: Hydraulics) -> dict[str, float]:
+    """The motors' inertia, which the mechanics hold because they hold the speed, on top of what turns there anyway."""
+    bare = {v.name: v.start for v in mechanics.parameters}
+    slew, drum = f"{crane.slew.joint}.rotor_inertia", "drum.inertia"
+    return {
+        slew: bare[slew] + hydraulics.slew.reflected_inertia,
+        drum: bare[drum] + hydraulics.winch.reflected_inertia,
+    }
+
+
+def drives(crane: Crane, rest: Equilibrium, start: Start, hydraulics: Hydraulics) -> list[Diagram]:
+    """The drives of the crane as diagrams, starting at the forces of `rest`."""
+    cylinders = [
+        cylinder_drive(crane, c, rest, extension(crane, c, start.posture), hydraulics) for c in crane.cylinders
+    ]
+    return [slew_drive(crane, hydraulics), *cylinders, winch_drive(crane, rest, hydraulics)]
+
+
+def extension(crane: Crane, cylinder: Cylinder, posture: Mapping[str, float]) -> Length:
+    """How far a cylinder is out in a posture [m]."""
+    return geometry.cylinder_length(crane, cylinder, posture) - geometry.retracted_length(crane, cylinder)
+
+
+def as_fmu(diagram: Diagram) -> Path:
+    """The diagram as an FMU in the cache: exported when it is not there yet, named after what is in it."""
+    dae = diagram.compile()
+    path = cache_folder() / "fmu" / f"{dae.name}-{compiled(dae).guid.strip('{}')}.fmu"
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        fmi.export(dae, path)
+    return path
+
+
+def joystick(crane: Crane, rest: Equilibrium) -> FunctionSlave:
+    """The operator's control; rope can be hoisted in to a tenth of what hangs, and 200 m more than that paid out."""
+    axis = Axis(valve_dead_band=VALVE_DEAD_BAND)
+    settings = Joystick.of(
+        crane,
+        rope=(0.5 * rest.unstretched_length, rest.unstretched_length + 200.0),
+        slew_axis=Axis(ramp=0.4, valve_dead_band=VALVE_DEAD_BAND),
+        boom_axis=axis,
+        jib_axis=axis,
+        hoist_axis=axis,
+    )
+    return FunctionSlave(settings, inputs=Joystick.inputs, outputs=Joystick.outputs, state=Joystick.start)
+
+
+# ---------------------------------------------------------------- connections
+def _couple(system: System, crane: Crane) -> None:
+    for axis in "xyz":
+        for quantity in ("al", "a", "g"):
+            system.connect(f"ship.foot.{quantity}{axis}", f"crane.base.{quantity}{axis}")
+        _foot_bond(system, f"foot_{axis}", f"wrench.f{axis}", f"v{axis}")
+        _foot_bond(system, f"foot_r{axis}", f"wrench.m{axis}", f"w{axis}")
+    system.connect("ship.foot.z", "crane.base.z")
+    for measured in ("luff", "jib", "rope.unstretched_length", "rope.hanging", "rope.tension"):
+        system.connect(f"crane.{measured}", f"joystick.{measured}")
+
+    joint = crane.slew.joint
+    _bond(system, "slew", "slew_drive", ("torque", f"{joint}.torque"), (f"{joint}_rate", "speed"))
+    for cylinder in crane.cylinders:
+        name = cylinder.name.removesuffix("_cylinder")
+        drive = f"{name}_drive"
+        _bond(
+            system,
+            name,
+            drive,
+            ("rod_force", f"{cylinder.name}.force"),
+            (f"{cylinder.name}.velocity", "rod_velocity"),
+        )
+        system.connect(f"crane.{cylinder.name}.extension", f"{drive}.rod_position")
+    _bond(system, "winch", "winch_drive", ("torque", "drum.torque"), ("drum.speed", "speed"))
+
+
+def _bond(system: System, spool: str, drive: str, effort: Sequence[str], flow: Sequence[str]) -> None:
+    """The power bond between a drive and the crane, named after the drive's spool, and that spool."""
+    system.connect(f"joystick.spool.{spool}", f"{drive}.spool")
+    system.bond(
+        f"{spool}_bond",
+        effort=(f"{drive}.{effort[0]}", f"crane.{effort[1]}"),
+        flow=(f"crane.{flow[0]}", f"{drive}.{flow[1]}"),
+    )
+
+
+def _foot_bond(system: System, name: str, wrench: str, motion: str) -> None:
+    system.bond(
+        name,
+        effort=(f"crane.{wrench}", f"ship.{wrench}"),
+        flow=(f"ship.foot.{motion}", f"crane.base.{motion}"),
+    )

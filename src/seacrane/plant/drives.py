@@ -1,0 +1,236 @@
+"""The hydraulic drives of a crane, as diagrams: one for each cylinder set, the slewing gear and the winch.
+
+A drive is given a spool command and the motion of what it moves, and gives the force or torque on it. All are fed at
+one supply pressure and return to one tank. Sizes follow from the design (areas, speeds) and from `Hydraulics`, whose
+values are assumptions of the usual magnitude.
+
+    p ──┬─────────┐ 4/3 valve, overlapped spool; in its centre both service lines bleed to tank through small orifices,
+    t ──┴─────────┘ so that no pilot pressure is left to open the counterbalance valve
+        │a       │b
+        │line_a  │line_b      anti-cavitation and port relief valves on both lines
+    [counterbalance]┄ pilot from b
+        │hose    │
+      piston    rod
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import pi
+
+from seacrane.design import Crane, Cylinder
+from seacrane.library import hydraulics as hyd
+from seacrane.library import mechanics as mech
+from seacrane.model import Diagram, Part, PortHandle
+from seacrane.multibody import Equilibrium
+from seacrane.units import (
+    Displacement,
+    FlowRate,
+    Inertia,
+    Pressure,
+    Ratio,
+    Speed,
+    Volume,
+    bar,
+    cm3_rev,
+    l,
+    mm,
+)
+
+
+@dataclass(frozen=True)
+class Motors:
+    """The motors of a rotating drive: `count` equal ones, with a rotor of `inertia`, geared down by `reduction`."""
+
+    count: int
+    displacement: Displacement
+    reduction: Ratio
+    inertia: Inertia
+
+    @property
+    def per_radian(self) -> float:
+        """Oil taken per radian of the driven shaft [m3/rad]."""
+        return self.count * self.displacement * self.reduction
+
+    @property
+    def reflected_inertia(self) -> float:
+        """Inertia of all rotors at the driven shaft [kg.m2]."""
+        return self.count * self.inertia * self.reduction**2
+
+
+@dataclass(frozen=True)
+class Hydraulics:
+    """Sizes of the hydraulic drives that a design file does not hold. Assumptions, chosen for the 100 t class.
+
+    supply: pressure of the ring line. rod_speed: of the cylinders at about half the supply pressure in the valve.
+    slew, winch: motors. holding: counterbalance setting over the supply pressure. pilot_ratio: of the counterbalance
+    valves. relief: port relief over the supply pressure. line, hose: oil between valve, counterbalance valve and
+    actuator. centre: bore of the orifices that bleed the service lines in the spool's centre. fidelity: level of the
+    cylinders.
+    """
+
+    supply: Pressure = 280 * bar
+    rod_speed: Speed = 0.1
+    slew: Motors = field(default_factory=lambda: Motors(4, 125 * cm3_rev, 1000.0, 0.05))
+    winch: Motors = field(default_factory=lambda: Motors(4, 500 * cm3_rev, 100.0, 0.4))
+    holding: Ratio = 1.15
+    pilot_ratio: Ratio = 3.0
+    relief: Ratio = 1.25
+    line: Volume = 10 * l
+    hose: Volume = 5 * l
+    centre: float = 2 * mm
+    fidelity: str = "extended"
+
+
+RATED_DROP = 35 * bar
+"""Pressure drop per edge at which the flow of a proportional valve is stated (ISO 10770-1)."""
+
+SPOOL_FREQUENCY = 60.0
+"""Natural frequency of the spools [rad/s]: a size 32 pilot-operated proportional valve, about 10 Hz."""
+
+
+def cylinder_drive(crane: Crane, cylinder: Cylinder, start: Equilibrium, extension: float, h: Hydraulics) -> Diagram:
+    """A cylinder set with its valves: inputs `spool`, `rod_velocity`, `rod_position`; output `rod_force`.
+
+    It starts at `extension` [m] with the pressure that holds the crane in `start`, the rod side at tank pressure.
+    """
+    force = start.cylinder_forces[cylinder.name]
+    piston = cylinder.count * pi / 4 * cylinder.bore**2
+    annulus = piston - cylinder.count * pi / 4 * cylinder.rod**2
+    p_a, p_b = max(force, 0.0) / piston, max(-force, 0.0) / annulus
+    flow = piston * h.rod_speed
+    drive = Diagram(cylinder.name.replace("cylinder", "drive"), bulk_modulus=crane.bulk_modulus)
+    actuator = drive.add(
+        "cylinder",
+        hyd.DoubleActingCylinder(
+            level=h.fidelity,
+            bore=cylinder.bore,
+            rod=cylinder.rod,
+            stroke=cylinder.stroke,
+            count=cylinder.count,
+            extension=extension,
+            **_losses(cylinder, p_a, p_b) if h.fidelity == "extended" else {},
+        ),
+    )
+    hose = _load_holding(drive, actuator.a, actuator.b, flow, p_a, p_b, h)
+    drive.connect(hose, actuator.a)
+    partner = drive.add("partner", mech.MotionInput(position=extension, correction=20.0))
+    drive.connect(partner.flange, actuator.rod)
+    drive.expose(rod_velocity=partner.v, rod_position=partner.x, rod_force=partner.F, rod_work=partner.work)
+    return drive
+
+
+def slew_drive(crane: Crane, h: Hydraulics) -> Diagram:
+    """The slewing gear: inputs `spool`, `speed` of the column; output `torque` on it. It starts unloaded."""
+    flow = h.slew.per_radian * crane.slew.speed
+    drive = Diagram("slew_drive", bulk_modulus=crane.bulk_modulus)
+    motor = drive.add("motor", _motor(h.slew))
+    line_a, line_b = _valve(drive, flow, 0.0, 0.0, h)
+    for name, source, sink in (("relief_ab", motor.a, motor.b), ("relief_ba", motor.b, motor.a)):
+        relief = drive.add(name, hyd.ReliefValve(crack=0.85 * h.supply, full=h.supply, flow=flow))
+        drive.connect(relief.a, source)
+        drive.connect(relief.b, sink)
+    drive.connect(line_a, motor.a)
+    drive.connect(line_b, motor.b)
+    _geared(drive, motor, h.slew)
+    return drive
+
+
+def winch_drive(crane: Crane, start: Equilibrium, h: Hydraulics) -> Diagram:
+    """The hoisting winch: inputs `spool`, `speed` of the drum; output `torque` on it.
+
+    Hoisting is positive. The counterbalance valve on the hoisting side holds the load of `start`.
+    """
+    flow = h.winch.per_radian * crane.hoist.speed / crane.hoist.drum_radius
+    p_a = start.drum_torque / h.winch.per_radian
+    drive = Diagram("winch_drive", bulk_modulus=crane.bulk_modulus)
+    motor = drive.add("motor", _motor(h.winch))
+    hose = _load_holding(drive, motor.a, motor.b, flow, p_a, 0.0, h)
+    drive.connect(hose, motor.a)
+    _geared(drive, motor, h.winch)
+    return drive
+
+
+# ---------------------------------------------------------------- what they share
+def _losses(cylinder: Cylinder, p_a: float, p_b: float) -> dict[str, float]:
+    """Losses of an extended cylinder: seals that grip with 1 % of the working force, ports that pass its flow."""
+    push = pi / 4 * cylinder.bore**2 * cylinder.pressure
+    return {
+        "pressure_a": p_a,
+        "pressure_b": p_b,
+        "port_diameter": 60 * mm,
+        "leakage": 1e-13,
+        "coulomb_friction": 0.01 * push,
+        "viscous_friction": 0.02 * push,
+    }
+
+
+def _motor(motors: Motors) -> hyd.HydraulicMotor:
+    """Motors of good efficiency: 0.5 % of the flow leaks at full pressure and speed, 2 % of the torque is friction."""
+    return hyd.HydraulicMotor(
+        displacement=motors.displacement,
+        count=motors.count,
+        leakage=0.005 * motors.displacement * 100.0 / (280 * bar),
+        coulomb_friction=0.02 * motors.displacement * 280 * bar,
+    )
+
+
+def _geared(drive: Diagram, motor: Part, motors: Motors) -> None:
+    """Gear and boundary of a rotating drive."""
+    gear = drive.add("gear", mech.Gear(reduction=motors.reduction))
+    partner = drive.add("partner", mech.SpeedInput())
+    drive.connect(motor.shaft, gear.a)
+    drive.connect(gear.b, partner.flange)
+    drive.expose(speed=partner.w, torque=partner.T, work=partner.work)
+
+
+def _valve(
+    drive: Diagram, flow: FlowRate, p_a: Pressure, p_b: Pressure, h: Hydraulics
+) -> tuple[PortHandle, PortHandle]:
+    """Supply, tank, 4/3 valve and both service lines with their safety valves; gives the line volumes' ports."""
+    pump = drive.add("pump", hyd.ConstantPressurePump(pressure=h.supply))
+    tank = drive.add("tank", hyd.Tank())
+    valve = drive.add(
+        "valve",
+        hyd.DirectionalValve43(
+            level="dynamic", flow=0.7 * flow, at=RATED_DROP, leakage=1e-5, natural_frequency=SPOOL_FREQUENCY
+        ),
+    )
+    drive.connect(pump.p, valve.p)
+    drive.connect(tank.p, valve.t)
+    drive.expose(spool=valve.x)
+    lines = []
+    for side, service, pressure in (("a", valve.a, p_a), ("b", valve.b, p_b)):
+        line = drive.add(f"line_{side}", hyd.ControlVolume(volume=h.line, pressure=pressure))
+        refill = drive.add(f"refill_{side}", hyd.AnticavitationValve(flow=2 * flow, at=0.6 * bar))
+        relief = drive.add(
+            f"relief_{side}",
+            hyd.ReliefValve(crack=h.relief * h.supply, full=1.15 * h.relief * h.supply, flow=flow),
+        )
+        centre = drive.add(f"centre_{side}", hyd.Orifice(diameter=h.centre))
+        drive.connect(service, line.a, refill.a, relief.a, centre.a)
+        drive.connect(tank.p, refill.t, relief.b, centre.b)
+        lines.append(line.a)
+    return lines[0], lines[1]
+
+
+def _load_holding(
+    drive: Diagram, a: PortHandle, b: PortHandle, flow: FlowRate, p_a: Pressure, p_b: Pressure, h: Hydraulics
+) -> PortHandle:
+    """Valve, lines, and a counterbalance valve at the side `a` that carries the load; gives the hose behind it."""
+    line_a, line_b = _valve(drive, flow, 0.0, p_b, h)
+    holding = drive.add(
+        "counterbalance",
+        hyd.CounterbalanceValve(
+            flow=flow,
+            at=10 * bar,
+            crack=h.holding * h.supply,
+            full=1.6 * h.holding * h.supply,
+            ratio=h.pilot_ratio,
+        ),
+    )
+    hose = drive.add("hose", hyd.ControlVolume(volume=h.hose, pressure=p_a))
+    drive.connect(line_a, holding.a)
+    drive.connect(line_b, b, holding.pilot)
+    drive.connect(holding.b, hose.a)
+    return hose.a

@@ -285,7 +285,7 @@ class PID(_Changing):
     u_free is the output before the limits; where it is beyond them, the integral runs back (back-calculation with the
     tracking time kp/ki), so it never winds up. The derivative is filtered with T_f.
 
-    Source: K. J. Astrom and T. Hagglund, Advanced PID Control, 2006, sections 3.3 and 3.5.
+    Source: K. J. Astrom and T. Hagglund, Advanced PID Control, 2006, chapter 3.
     """
 
     kp: Ratio = parameter("proportional gain", above=0, most=1e12)
@@ -296,7 +296,7 @@ class PID(_Changing):
     high: Ratio = parameter("highest output", least=-1e12, most=1e12)
     integral: Ratio = initial("integral at the start", least=-1e12, most=1e12)
     ports = {"reference": SignalIn(), "measured": SignalIn(), "u": SignalOut()}
-    sources = ("K. J. Astrom and T. Hagglund, Advanced PID Control, 2006",)
+    sources = ("K. J. Astrom and T. Hagglund, Advanced PID Control, 2006, chapter 3",)
 
     def check(self) -> Iterator[Problem]:
         yield from super().check()

@@ -29,6 +29,9 @@ from seacrane.units import (
 from .fluid import DISSERTATION, MERRITT, bulk_modulus, density, orifice_flow, transition_pressure
 
 
+OLSSON = "H. Olsson et al., Friction models and friction compensation, European Journal of Control 4, 1998"
+
+
 class DoubleActingCylinder(Component):
     """A double-acting cylinder, or `count` equal ones side by side.
 
@@ -58,7 +61,7 @@ class DoubleActingCylinder(Component):
         "b": Hydraulic("rod side"),
         "rod": Translational("rod eye; extending is positive"),
     }
-    sources = (f"{MERRITT}, section 6.1", DISSERTATION)
+    sources = (f"{MERRITT}, chapter 6", DISSERTATION)
 
     def check(self) -> Iterator[Problem]:
         name = type(self).__name__
@@ -113,8 +116,10 @@ class ExtendedDoubleActingCylinder(DoubleActingCylinder, level="extended"):
     h is the height of oil left at each end (`dead_length`), G the piston leakage, f viscous and F_c Coulomb friction,
     F_e what friction at rest exceeds it by (Stribeck, fading with v_s), k and c the stiffness and damping of the end
     stops; c fades in over the first millimetre. There is no friction unless it is given. Locked in, the oil column of
-    height h + x has the stiffness beta A / (h + x).
+    height h + x has the stiffness beta A / (h + x). Chambers store p_a (V_a / beta) dp_a/dt + p_b (V_b / beta) dp_b/dt.
     """
+
+    sources = (*DoubleActingCylinder.sources, f"{OLSSON} (friction)")
 
     port_diameter: Diameter = parameter("bore of each port", default=32 * mm, above=0, most=1)
     discharge: Ratio = parameter("discharge coefficient of the ports", default=0.7, above=0, most=1)

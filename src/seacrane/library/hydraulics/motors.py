@@ -33,7 +33,7 @@ class HydraulicMotor(Component):
         "speed within which friction turns its sign", default=0.1, above=0, most=10
     )
     ports = {"a": Hydraulic("inlet at w > 0"), "b": Hydraulic("outlet at w > 0"), "shaft": Rotational("shaft")}
-    sources = (f"{MERRITT}, section 4.2", DISSERTATION)
+    sources = (f"{MERRITT}, chapter 4", DISSERTATION)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         dp, w = m.a.p - m.b.p, m.shaft.w

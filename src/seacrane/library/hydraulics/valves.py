@@ -195,7 +195,7 @@ class ReliefValve(Component):
     flow: FlowRate = parameter("flow at the pressure drop `full`", above=0, most=1)
     transition_pressure: Pressure = transition_pressure()
     ports = {"a": Hydraulic("protected side"), "b": Hydraulic("relieved to")}
-    sources = (f"{MERRITT}, section 8.5", DISSERTATION)
+    sources = (DISSERTATION,)
 
     def check(self) -> Iterator[Problem]:
         yield from _rising(type(self).__name__, ("crack", self.crack), ("full", self.full))

@@ -23,7 +23,7 @@ class ControlVolume(Component):
     bulk_modulus: Pressure = bulk_modulus()
     pressure: Pressure = initial("pressure at the start (gauge)", least=-1e5, most=1e8)
     ports = {"a": Hydraulic("oil in")}
-    sources = (f"{MERRITT}, section 3.7", DISSERTATION)
+    sources = (f"{MERRITT}, chapter 3", DISSERTATION)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         p = m.state("pressure", unit="Pa", start=self.pressure, nominal=1e6, about="pressure in the volume")

@@ -13,6 +13,8 @@ from fmpy.validation import validate_fmu
 
 from seacrane import fmi
 from seacrane.errors import FmuError
+from seacrane.library.signals import Sine
+from seacrane.model import Diagram
 from seacrane.model.codegen import generate
 from seacrane.model.dae import Dae, Variable
 from seacrane.model.native import build
@@ -186,3 +188,16 @@ def test_our_declarations_agree_with_the_headers_of_the_standard(sources: Path) 
     }  # fmt: skip
     assert exchange < names
     assert {n for n in names - exchange if f" {n}(" not in ours.replace("*", " ")} == set()
+
+
+def test_a_diagram_is_exported_with_its_exposed_names(tmp_path: Path) -> None:
+    diagram = Diagram("swell")
+    diagram.expose(heave=diagram.add("wave", Sine(amplitude=1.5, period=4.0, unit="m")).y)
+    path = fmi.export(diagram, tmp_path / "swell.fmu")
+    assert validate_fmu(str(path)) == [] == fmi.check(path)
+    with fmi.Fmu(path) as fmu, fmu.instantiate() as slave:
+        slave.set("wave.amplitude", 2.0)
+        slave.initialize(0.0)
+        slave.step(0.0, 1.0)
+        assert slave.get("heave") == pytest.approx(2.0)
+    assert fmi.read(path).by_name["heave"].unit == "m"

@@ -160,7 +160,7 @@ def test_a_value_reference_depends_on_the_name_alone() -> None:
     few = value_references(["a.p", "b.p"])
     many = value_references(["z", "b.p", "c", "a.p"])
     assert {name: many[name] for name in few} == few
-    assert few["a.p"] == 0x6D8F0AC4 or len(set(many.values())) == 4
+    assert value_references(["foobar"]) == {"foobar": 0xBF9CF968}  # as published for this hash
 
 
 def test_names_with_the_same_hash_get_different_references_in_a_fixed_way() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import pi
-from typing import Any
+from typing import Any, ClassVar
 
 import casadi as ca
 
@@ -27,7 +27,6 @@ from seacrane.units import (
 )
 
 from .fluid import DISSERTATION, MERRITT, bulk_modulus, density, orifice_flow, transition_pressure
-
 
 OLSSON = "H. Olsson et al., Friction models and friction compensation, European Journal of Control 4, 1998"
 
@@ -61,7 +60,7 @@ class DoubleActingCylinder(Component):
         "b": Hydraulic("rod side"),
         "rod": Translational("rod eye; extending is positive"),
     }
-    sources = (f"{MERRITT}, chapter 6", DISSERTATION)
+    sources: ClassVar[tuple[str, ...]] = (f"{MERRITT}, chapter 6", DISSERTATION)
 
     def check(self) -> Iterator[Problem]:
         name = type(self).__name__

@@ -42,9 +42,20 @@ function drives(crane: CraneDesign): { label: string; drive: string }[] {
   });
 }
 
-/** Plain text of a limit: `joystick.limit.luff_upper` is "luff upper". */
-export function limitText(name: string): string {
-  return name.replace(/^joystick\.limit\./, "").replace(/[._]/g, " ");
+const LIMITS: Readonly<Record<string, readonly [upper: string, lower: string]>> = {
+  luff: ["Boom at its upper end", "Boom at its lower end"],
+  jib: ["Jib at its outer end", "Jib at its inner end"],
+  two_block: ["Hook close to the jib head", "Hook close to the jib head"],
+  rope: ["Rope nearly all out", "Rope nearly all in"],
+  slack: ["Slack rope: lowering stopped", "Slack rope: lowering stopped"],
+};
+
+/** What an active limit means to the operator; it has the sign of the side on which it holds back. */
+export function limitText(name: string, side: number): string {
+  const key = name.slice(name.lastIndexOf(".") + 1);
+  const known = LIMITS[key];
+  if (known) return known[side > 0 ? 0 : 1];
+  return key[0].toUpperCase() + key.slice(1).replaceAll("_", " ");
 }
 
 export function readings(crane: CraneDesign, read: Read, limitNames: readonly string[]): Readings {
@@ -73,7 +84,10 @@ export function readings(crane: CraneDesign, read: Read, limitNames: readonly st
       piston: scaled(`${drive}.cylinder.pressure_a`, BAR),
       rod: scaled(`${drive}.cylinder.pressure_b`, BAR),
     })),
-    limits: limitNames.filter((name) => (read(name) ?? 0) !== 0).map(limitText),
+    limits: limitNames.flatMap((name) => {
+      const side = read(name);
+      return side ? [limitText(name, side)] : [];
+    }),
     slack: tension !== null && tension <= 0,
   };
 }

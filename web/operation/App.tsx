@@ -1,6 +1,7 @@
 import { Loader } from "@mantine/core";
 import { lazy, Suspense, useCallback, useEffect, useState } from "react";
 import { useStore } from "zustand";
+import { Fallback } from "./panels/Fallback";
 import { Help } from "./panels/Help";
 import { Instruments } from "./panels/Instruments";
 import { LinkNotice } from "./panels/LinkNotice";
@@ -44,9 +45,11 @@ export function App({ session }: { session: Session }) {
         <Instruments />
         <main className="stage" data-testid="scene" data-ready={ready} aria-label="View of the crane">
           {model && (
-            <Suspense fallback={<Loader className="stage-loader" />}>
-              <Scene session={session} model={model} view={camera.view} request={camera.request} onReady={onReady} />
-            </Suspense>
+            <Fallback>
+              <Suspense fallback={<Loader className="stage-loader" />}>
+                <Scene session={session} model={model} view={camera.view} request={camera.request} onReady={onReady} />
+              </Suspense>
+            </Fallback>
           )}
           <nav className="views" aria-label="Camera">
             {VIEWS.map(({ view, label }, i) => (

@@ -14,7 +14,7 @@ export interface Page {
   model: ModelDescription | null;
   status: SimulationStatus | null;
   latency: number | null;
-  /** Frames received in the last second. */
+  /** Frames received per second, over the last two. */
   frameRate: number;
   time: number | null;
   readings: Readings | null;
@@ -53,7 +53,7 @@ export class Session {
   private newest: Sample | null = null;
   private before: Sample | null = null;
   private subscribed: readonly string[] = [];
-  private subscription: string | number | null = null;
+  private subscription: number | null = null;
   private arrivals: number[] = [];
   private acquiring = false;
   private lastBeat = performance.now();
@@ -220,7 +220,7 @@ export class Session {
     const arrived = performance.now();
     this.before = this.newest && this.newest.time < frame.time ? this.newest : null;
     this.newest = { time: frame.time, values, arrived };
-    this.arrivals = [...this.arrivals.filter((at) => at > arrived - 1000), arrived];
+    this.arrivals = [...this.arrivals.filter((at) => at > arrived - 2000), arrived];
     this.history.push(frame.time, (name) => values.get(name));
   }
 
@@ -233,7 +233,7 @@ export class Session {
     const limits = model.variables.filter(({ name }) => isLimit(name)).map(({ name }) => name);
     this.store.setState({
       time: newest.time,
-      frameRate: this.arrivals.filter((at) => at > now - 1000).length,
+      frameRate: Math.round(this.arrivals.filter((at) => at > now - 2000).length / 2),
       readings: readings(model.crane, (name) => newest.values.get(name) ?? null, limits),
     });
   }
@@ -272,7 +272,7 @@ export class Session {
     const { status } = this.store.getState();
     if (this.acquiring || !status) return;
     if (!takeOver && status.driver !== null && status.driver !== status.you) {
-      this.store.setState({ notice: `${status.driver} holds the controls. Take over to drive.` });
+      this.store.setState({ notice: `Client ${status.driver} holds the controls. Take over to drive.` });
       return;
     }
     this.acquiring = true;

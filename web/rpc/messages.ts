@@ -107,9 +107,12 @@ export interface SimulationStatus {
   macro_step: number;
   overruns: number;
   late_ms_p99: number | null;
+  /** Time to which the recording reaches [s]. */
+  recorded: number;
   clients: number;
-  driver: string | null;
-  you: string;
+  /** Numbers of clients. */
+  driver: number | null;
+  you: number;
 }
 
 export interface Axes {
@@ -127,15 +130,15 @@ export interface Methods {
   "simulation.resume": [Record<string, never>, SimulationStatus];
   "simulation.reset": [Record<string, never>, SimulationStatus];
   "model.describe": [Record<string, never>, ModelDescription];
-  "stream.subscribe": [{ variables: readonly string[]; rate: number }, { subscription: string | number; rate: number }];
-  "stream.unsubscribe": [{ subscription: string | number }, unknown];
-  "control.acquire": [{ take_over?: boolean }, { driver: string; lease: number }];
+  "stream.subscribe": [{ variables: readonly string[]; rate: number }, { subscription: number; rate: number }];
+  "stream.unsubscribe": [{ subscription: number }, unknown];
+  "control.acquire": [{ take_over?: boolean }, { driver: number; lease: number }];
   "control.release": [Record<string, never>, unknown];
   "control.command": [{ axes: Axes; deadman: boolean }, { accepted: boolean }];
 }
 
 export interface StreamFrame {
-  subscription: string | number;
+  subscription: number;
   seq: number;
   time: number;
   values: readonly (number | null)[];

@@ -42,7 +42,7 @@ export function Instruments() {
         {r?.rated === null && r.radius !== null && <p className="alarm">Outside the load chart</p>}
         {r?.limits.map((text) => (
           <p className="caution" key={text}>
-            Limit: {text}
+            {text}
           </p>
         ))}
       </section>

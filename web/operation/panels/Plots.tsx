@@ -142,7 +142,7 @@ function Panel({ unit, variables, colorOf, range, held, onZoom }: PanelProps) {
         height: element.clientHeight,
         legend: { show: false },
         cursor: { sync: { key: "plots", setSeries: false }, drag: { x: true, y: false, setScale: false } },
-        scales: { x: { time: false } },
+        scales: { x: { time: false }, y: { range: roomy } },
         axes: [
           { ...axis, size: 26, values: (_, ticks) => ticks.map((t) => `${Number(t.toFixed(3))} s`) },
           { ...axis, size: 52 },
@@ -236,6 +236,14 @@ function Panel({ unit, variables, colorOf, range, held, onZoom }: PanelProps) {
       <div className="plot-host" ref={host} />
     </section>
   );
+}
+
+/** Limits of the ordinate: the data with some air, and at least a hundredth of its size, so that noise stays small. */
+function roomy(_: uPlot, low: number | null, high: number | null): [number, number] {
+  if (low === null || high === null) return [0, 1];
+  const middle = (low + high) / 2;
+  const half = Math.max((high - low) * 0.6, Math.abs(middle) * 0.01, 1e-9);
+  return [middle - half, middle + half];
 }
 
 function scale(value: number | null | undefined, factor: number): number | null {

@@ -24,7 +24,7 @@ export function SticksPanel() {
           <span>{deadman ? `Dead man held (${source})` : "Dead man released"}</span>
         </div>
         <div className="holder" data-testid="driver" data-driver={driver ?? ""} data-mine={mine}>
-          {mine ? "You hold the controls" : driver ? `${driver} holds the controls` : "Controls are free"}
+          {mine ? "You hold the controls" : driver ? `Client ${driver} holds the controls` : "Controls are free"}
         </div>
         {mine ? (
           <Button size="compact-xs" variant="default" data-testid="release" onClick={() => void session.release()}>

@@ -94,8 +94,8 @@ export function Cameras({ view, request }: { view: View; request: number }) {
 function place(view: View, foot: Vector3, hook: Vector3): { position: Vector3; target: Vector3 } {
   const at = (x: number, y: number, z: number) => new Vector3(foot.x + x, foot.y + y, z);
   const out = Math.sign(foot.y) || 1;
-  if (view === "side") return { position: at(-74, out * 10, 17), target: at(0, out * 10, 14) };
-  if (view === "deck") return { position: at(-19, -out * 12, 6.2), target: at(2, out * 8, 15) };
+  if (view === "side") return { position: at(-78, out * 12, 16), target: at(0, out * 9, 14.5) };
+  if (view === "deck") return { position: at(-23, -out * 13.5, 6), target: at(2, out * 9, 15.5) };
   if (view === "hook") {
     const back = new Vector3(hook.x - foot.x, hook.y - foot.y, 0).normalize();
     const side = new Vector3(-back.y, back.x, 0);
@@ -108,5 +108,5 @@ function place(view: View, foot: Vector3, hook: Vector3): { position: Vector3; t
       target: hook.clone().add(new Vector3(0, 0, -2)),
     };
   }
-  return { position: at(-66, out * 46, 25), target: at(9, out * 6, 12.5) };
+  return { position: at(-76, out * 52, 27), target: at(10, out * 3.5, 12) };
 }

@@ -6,6 +6,7 @@ import type { Frame } from "../../core/frames";
 import { boomStations, girder, jibStations, lug, type Point2, type Station, sectionAt } from "../../core/solids";
 import type { Attachment, CraneDesign, Cylinder, Link } from "../../rpc/messages";
 import { useDirector } from "./director";
+import { Merged } from "./Merged";
 import * as m from "./materials";
 import { Bar, Box, Lettering, Pin, Plate, Rail, Solid, type V3 } from "./parts";
 import { TIP_SHEAVE } from "./reeving";
@@ -18,7 +19,9 @@ export function Crane() {
     <>
       {crane.links.map((link, i) => (
         <OnLink key={link.name} name={link.name}>
-          <LinkShape crane={crane} link={link} index={i} />
+          <Merged>
+            <LinkShape crane={crane} link={link} index={i} />
+          </Merged>
         </OnLink>
       ))}
       {crane.cylinders.map((cylinder) => (
@@ -138,7 +141,7 @@ function Column({ crane, link, pivot }: { crane: CraneDesign; link: Link; pivot:
 }
 
 /** Where the operator's eyes are, on the column. */
-export const EYE: V3 = [1.75, 2.1, 3.05];
+export const EYE: V3 = [2.7, 2.1, 3.1];
 
 function Cab() {
   const [x, y, z] = [1.2, 2.1, 1.45];
@@ -234,15 +237,15 @@ function Boom({ crane, link, length }: { crane: CraneDesign; link: Link; length:
       {[0, 0.14, 0.28].map((dz) => (
         <Bar
           key={dz}
-          from={[0.8, 0.84 * s, 0.1 + dz]}
-          to={[length * 0.9, 0.72 * s, 0.1 + dz]}
+          from={[0.8, 0.82 * s, dz - 0.45]}
+          to={[length * 0.9, 0.68 * s, dz - 0.45]}
           radius={0.045}
           material={m.BLACK}
           sides={8}
         />
       ))}
       {[0.16, 0.32, 0.48, 0.64, 0.8].map((u) => (
-        <Box key={u} size={[0.12, 0.2, 0.6]} at={[u * length, 0.8 * s, 0.22]} material={m.YELLOW_DARK} />
+        <Box key={u} size={[0.12, 0.2, 0.6]} at={[u * length, 0.76 * s, -0.3]} material={m.YELLOW_DARK} />
       ))}
       <Box
         size={[length * 0.62, 0.62, 0.06]}
@@ -261,15 +264,15 @@ function Boom({ crane, link, length }: { crane: CraneDesign; link: Link; length:
         <group key={side}>
           <Lettering
             text={crane.name.toUpperCase()}
-            at={[length * 0.62, side * (0.705 * s + 0.015), 0.42 * s]}
-            height={0.85 * s}
+            at={[length * 0.6, side * (0.712 * s + 0.015), 0.4 * s]}
+            height={0.8 * s}
             side={side}
           />
           {swl && (
             <Lettering
               text={`SWL ${swl.mass / 1000} t \u2013 ${swl.radius} m`}
-              at={[length * 0.26, side * (0.765 * s + 0.02), 0.66 * s]}
-              height={0.42 * s}
+              at={[length * 0.26, side * (0.772 * s + 0.015), 0.42 * s]}
+              height={0.5 * s}
               side={side}
             />
           )}

@@ -4,6 +4,7 @@ import { type Group, Quaternion, Vector3 } from "three";
 import { OnLink, Sheave } from "./Crane";
 import { useDirector } from "./director";
 import { Tube } from "./geometry";
+import { Merged } from "./Merged";
 import * as m from "./materials";
 import { Bar, Box, type V3 } from "./parts";
 import { reels, ropePoints } from "./reeving";
@@ -42,7 +43,11 @@ function Turning({ radius, children }: { radius: number; children: ReactNode }) 
   useFrame(() => {
     if (group.current) group.current.rotation.y = director.paidOut / radius;
   });
-  return <group ref={group}>{children}</group>;
+  return (
+    <group ref={group}>
+      <Merged>{children}</Merged>
+    </group>
+  );
 }
 
 function Drum({ radius }: { radius: number }) {
@@ -130,22 +135,24 @@ function HookAndLoad() {
   const top = -BLOCK - sling;
   return (
     <group ref={group}>
-      <HookBlock />
-      <group rotation={[0, 0, 0.35]}>
-        {[-1, 1].flatMap((sx) =>
-          [-1, 1].map((sy) => (
-            <Bar
-              key={`${sx}:${sy}`}
-              from={[0, 0, -BLOCK]}
-              to={[sx * (lx / 2 - 0.25), sy * (ly / 2 - 0.2), top]}
-              radius={0.035}
-              material={m.WIRE}
-              sides={6}
-            />
-          )),
-        )}
-        <Cargo size={[lx, ly, lz]} at={[0, 0, top - lz / 2]} />
-      </group>
+      <Merged>
+        <HookBlock />
+        <group rotation={[0, 0, 0.35]}>
+          {[-1, 1].flatMap((sx) =>
+            [-1, 1].map((sy) => (
+              <Bar
+                key={`${sx}:${sy}`}
+                from={[0, 0, -BLOCK]}
+                to={[sx * (lx / 2 - 0.25), sy * (ly / 2 - 0.2), top]}
+                radius={0.035}
+                material={m.WIRE}
+                sides={6}
+              />
+            )),
+          )}
+          <Cargo size={[lx, ly, lz]} at={[0, 0, top - lz / 2]} />
+        </group>
+      </Merged>
     </group>
   );
 }

@@ -1,4 +1,4 @@
-import { Canvas, useFrame, useThree } from "@react-three/fiber";
+import { Canvas, useFrame } from "@react-three/fiber";
 import { useMemo, useRef } from "react";
 import { ACESFilmicToneMapping, Object3D, PCFShadowMap, Vector3 } from "three";
 import type { ModelDescription } from "../../rpc/messages";
@@ -7,6 +7,7 @@ import type { View } from "../views";
 import { Cameras } from "./Cameras";
 import { Crane } from "./Crane";
 import { Director, DirectorContext } from "./director";
+import { Economy, SOFTWARE } from "./economy";
 import { Hoist } from "./Hoist";
 import { Sea } from "./Sea";
 import { Ship } from "./Ship";
@@ -31,12 +32,19 @@ export default function Scene({ session, model, view, request, onReady }: Props)
   return (
     <Canvas
       shadows={{ type: PCFShadowMap }}
-      dpr={[1, 2]}
+      dpr={SOFTWARE ? 1 : [1, 2]}
+      frameloop={SOFTWARE ? "demand" : "always"}
       camera={{ fov: 38, near: 0.4, far: 9000, position: [-86, 53, 25] }}
-      gl={{ toneMapping: ACESFilmicToneMapping, toneMappingExposure: 1.05, powerPreference: "high-performance" }}
+      gl={{
+        antialias: !SOFTWARE,
+        toneMapping: ACESFilmicToneMapping,
+        toneMappingExposure: 1.2,
+        powerPreference: "high-performance",
+      }}
     >
       <DirectorContext value={director}>
         <Conductor director={director} onReady={onReady} />
+        {SOFTWARE && <Economy />}
         <Sky sun={SUN} />
         <Sunlight />
         <Sea />
@@ -52,24 +60,14 @@ export default function Scene({ session, model, view, request, onReady }: Props)
   );
 }
 
-/** Brings the picture up to now before anything is drawn, and lowers its cost where drawing is slow. */
+/** Brings the picture up to now before anything is drawn. */
 function Conductor({ director, onReady }: { director: Director; onReady: () => void }) {
   const told = useRef(false);
-  const pace = useRef({ since: 0, drawn: 0 });
-  const setDpr = useThree((state) => state.setDpr);
   useFrame(() => {
-    const now = performance.now();
-    director.update(now);
+    director.update(performance.now());
     if (director.ready && !told.current) {
       told.current = true;
       onReady();
-    }
-    const p = pace.current;
-    p.drawn += 1;
-    if (now - p.since > 2000) {
-      const rate = (1000 * p.drawn) / (now - p.since);
-      if (p.since > 0 && rate < 24) setDpr(rate < 8 ? 0.75 : 1);
-      pace.current = { since: now, drawn: 0 };
     }
   }, -1);
   return null;

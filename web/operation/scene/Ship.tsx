@@ -1,8 +1,9 @@
 import { useFrame } from "@react-three/fiber";
 import { type ReactNode, useMemo, useRef } from "react";
-import { BoxGeometry, type Group, InstancedMesh, Matrix4 } from "three";
+import type { Group } from "three";
 import { deckPlate, fender, HullLines, plating } from "../../core/solids";
 import { useDirector } from "./director";
+import { Merged } from "./Merged";
 import * as m from "./materials";
 import { Bar, Box, Rail, Solid, type V3 } from "./parts";
 
@@ -22,41 +23,43 @@ export function Ship({ children }: { children: ReactNode }) {
   const { deck, forecastle, breakX } = lines;
   return (
     <group ref={group}>
-      <Solid
-        of={() =>
-          plating(
-            lines,
-            (x) => lines.keel(x),
-            () => BOOT,
-            10,
-          )
-        }
-        crease={0.7}
-        material={m.BOTTOM}
-      />
-      <Solid
-        of={() =>
-          plating(
-            lines,
-            () => BOOT,
-            (x) => lines.sheer(x),
-            6,
-            120,
-          )
-        }
-        crease={0.7}
-        material={m.HULL}
-      />
-      <Solid of={() => fender(lines, deck - 0.25, 0.5, 0.22)} material={m.BLACK} />
-      <Solid of={() => deckPlate(lines, deck, -length / 2 + 0.1, breakX + 1)} material={m.DECK} />
-      <Solid of={() => deckPlate(lines, forecastle, breakX, 0.49 * length)} material={m.DECK_GREEN} />
-      <Box
-        size={[0.2, 2 * lines.half(breakX, deck) - 0.3, forecastle - deck]}
-        at={[breakX + 0.2, 0, (forecastle + deck) / 2]}
-        material={m.WHITE}
-      />
-      <House lines={lines} />
-      <WorkingDeck lines={lines} />
+      <Merged>
+        <Solid
+          of={() =>
+            plating(
+              lines,
+              (x) => lines.keel(x),
+              () => BOOT,
+              10,
+            )
+          }
+          crease={0.7}
+          material={m.BOTTOM}
+        />
+        <Solid
+          of={() =>
+            plating(
+              lines,
+              () => BOOT,
+              (x) => lines.sheer(x),
+              6,
+              120,
+            )
+          }
+          crease={0.7}
+          material={m.HULL}
+        />
+        <Solid of={() => fender(lines, deck - 0.25, 0.5, 0.22)} material={m.BLACK} />
+        <Solid of={() => deckPlate(lines, deck, -length / 2 + 0.1, breakX + 1)} material={m.DECK} />
+        <Solid of={() => deckPlate(lines, forecastle, breakX, 0.49 * length)} material={m.DECK_GREEN} />
+        <Box
+          size={[0.2, 2 * lines.half(breakX, deck) - 0.3, forecastle - deck]}
+          at={[breakX + 0.2, 0, (forecastle + deck) / 2]}
+          material={m.WHITE}
+        />
+        <House lines={lines} />
+        <WorkingDeck lines={lines} />
+      </Merged>
       {children}
     </group>
   );
@@ -133,13 +136,9 @@ function House({ lines }: { lines: HullLines }) {
   );
 }
 
-function instances(places: { at: V3; size: V3 }[], material: InstancedMesh["material"]): InstancedMesh {
-  const mesh = new InstancedMesh(new BoxGeometry(1, 1, 1), material, places.length);
-  const matrix = new Matrix4();
-  places.forEach(({ at, size }, i) => {
-    mesh.setMatrixAt(i, matrix.makeScale(...size).setPosition(...at));
-  });
-  return mesh;
+interface Pane {
+  at: V3;
+  size: V3;
 }
 
 interface Block {
@@ -150,31 +149,31 @@ interface Block {
 }
 
 function Portholes({ from, to, width, z }: Block) {
-  const mesh = useMemo(() => {
-    const places: { at: V3; size: V3 }[] = [];
+  const panes = useMemo(() => {
+    const places: Pane[] = [];
     for (let x = from + 2; x < to - 1; x += 2.4) {
       for (const side of [-1, 1]) places.push({ at: [x, (side * width) / 2, z], size: [0.7, 0.06, 0.8] });
     }
     for (let y = -width / 2 + 1.6; y < width / 2 - 1; y += 2.4) {
       places.push({ at: [to, y, z], size: [0.06, 0.75, 0.8] }, { at: [from, y, z], size: [0.06, 0.75, 0.8] });
     }
-    return instances(places, m.GLASS);
+    return places;
   }, [from, to, width, z]);
-  return <primitive object={mesh} />;
+  return panes.map(({ at, size }) => <Box key={`${at}`} at={at} size={size} material={m.GLASS} />);
 }
 
 function Mullions({ from, to, width, z }: Block) {
-  const mesh = useMemo(() => {
-    const places: { at: V3; size: V3 }[] = [];
+  const panes = useMemo(() => {
+    const places: Pane[] = [];
     for (let x = from; x <= to + 0.01; x += (to - from) / 8) {
       for (const side of [-1, 1]) places.push({ at: [x, side * (width / 2 + 0.04), z], size: [0.16, 0.06, 1.15] });
     }
     for (let y = -width / 2; y <= width / 2 + 0.01; y += width / 12) {
       for (const x of [from - 0.04, to + 0.04]) places.push({ at: [x, y, z], size: [0.06, 0.16, 1.15] });
     }
-    return instances(places, m.WHITE);
+    return places;
   }, [from, to, width, z]);
-  return <primitive object={mesh} />;
+  return panes.map(({ at, size }) => <Box key={`${at}`} at={at} size={size} material={m.WHITE} />);
 }
 
 /** Pedestal, cargo rail, some cargo, a winch: what gives the deck its scale. */

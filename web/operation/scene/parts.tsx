@@ -34,7 +34,7 @@ export function Bar(props: { from: V3; to: V3; radius: number; end?: number; mat
   }, [from, to]);
   return (
     <mesh position={middle} quaternion={turn} material={material} castShadow receiveShadow>
-      <cylinderGeometry args={[end, radius, length, sides]} />
+      <cylinderGeometry args={[end, radius, length, sides, 1, radius < 0.06]} />
     </mesh>
   );
 }

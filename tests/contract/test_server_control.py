@@ -3,7 +3,14 @@
 import asyncio
 
 import pytest
-from server_clients import RpcError, client, run, running
+from server_clients import RpcError, client, run, running, running_beside
+
+
+@pytest.fixture(scope="module")
+def server():
+    """A server for tests that leave it as they find it."""
+    with running_beside() as server:
+        yield server
 
 
 async def rate_of(each):
@@ -134,10 +141,10 @@ def test_release_stops_all_axes():
         ({"hoist": True}, r"Expected `float`, got `bool`"),
     ],
 )
-def test_a_command_that_makes_no_sense_is_refused(axes, message):
+def test_a_command_that_makes_no_sense_is_refused(server, axes, message):
     async def scenario():
-        async with running() as server, client(server) as driver:
-            await driver.call("control.acquire")
+        async with client(server) as driver:
+            await driver.call("control.acquire", take_over=True)
             with pytest.raises(RpcError, match=message):
                 await driver.call("control.command", axes=axes, deadman=True)
 

@@ -7,14 +7,21 @@ import signal
 import socket
 
 import pytest
-from server_clients import RpcError, client, get_with_token, run, running
+from server_clients import RpcError, client, get_with_token, run, running, running_beside
 
 from seacrane.results import Recording
 
 
-def test_two_clients_see_the_same_values_at_the_same_simulated_time():
+@pytest.fixture(scope="module")
+def server():
+    """A server for tests that leave it as they find it."""
+    with running_beside() as server:
+        yield server
+
+
+def test_two_clients_see_the_same_values_at_the_same_simulated_time(server):
     async def scenario():
-        async with running() as server, client(server) as one, client(server) as two:
+        async with client(server) as one, client(server) as two:
             await one.call("stream.subscribe", variables=["pendulum.swing", "winch.angle"], rate=60)
             await two.call("stream.subscribe", variables=["pendulum.swing", "winch.angle"], rate=20)
             await one.until(lambda: len(one.frames) > 60)
@@ -26,9 +33,9 @@ def test_two_clients_see_the_same_values_at_the_same_simulated_time():
     run(scenario())
 
 
-def test_simulated_time_keeps_pace_with_the_wall_clock():
+def test_simulated_time_keeps_pace_with_the_wall_clock(server):
     async def scenario():
-        async with running() as server, client(server) as each:
+        async with client(server) as each:
             await each.call("stream.subscribe", variables=["pendulum.swing"], rate=60)
             await each.until(lambda: len(each.frames) > 120)
             simulated = each.frames[-1]["time"] - each.frames[10]["time"]
@@ -38,9 +45,9 @@ def test_simulated_time_keeps_pace_with_the_wall_clock():
 
 
 @pytest.mark.parametrize("rate", [10.0, 24.0])
-def test_a_subscription_comes_at_its_rate(rate):
+def test_a_subscription_comes_at_its_rate(server, rate):
     async def scenario():
-        async with running() as server, client(server) as each:
+        async with client(server) as each:
             answer = await each.call("stream.subscribe", variables=["pendulum.swing"], rate=rate)
             assert answer["rate"] == rate
             await each.until(lambda: len(each.frames) > 2 * rate)
@@ -50,18 +57,18 @@ def test_a_subscription_comes_at_its_rate(rate):
     run(scenario())
 
 
-def test_a_rate_above_that_of_the_simulation_is_answered_with_what_it_is():
+def test_a_rate_above_that_of_the_simulation_is_answered_with_what_it_is(server):
     async def scenario():
-        async with running() as server, client(server) as each:
+        async with client(server) as each:
             answer = await each.call("stream.subscribe", variables=["pendulum.swing"], rate=500)
             assert answer["rate"] == pytest.approx(60)
 
     run(scenario())
 
 
-def test_a_client_that_acknowledges_nothing_gets_four_frames():
+def test_a_client_that_acknowledges_nothing_gets_four_frames(server):
     async def scenario():
-        async with running() as server, client(server, acknowledges=False) as each:
+        async with client(server, acknowledges=False) as each:
             answer = await each.call("stream.subscribe", variables=["pendulum.swing"], rate=60)
             await asyncio.sleep(0.5)
             assert len(each.frames) == 4
@@ -73,9 +80,9 @@ def test_a_client_that_acknowledges_nothing_gets_four_frames():
     run(scenario())
 
 
-def test_a_client_that_acknowledges_nothing_is_cut_off_after_five_seconds():
+def test_a_client_that_acknowledges_nothing_is_cut_off_after_five_seconds(server):
     async def scenario():
-        async with running() as server, client(server, acknowledges=False) as each:
+        async with client(server, acknowledges=False) as each:
             await each.call("stream.subscribe", variables=["pendulum.swing"], rate=60)
             await asyncio.wait_for(each.connection.wait_closed(), 8)
 
@@ -120,9 +127,9 @@ def test_variables_are_read_by_name_in_the_order_asked_for():
     run(scenario())
 
 
-def test_an_unknown_variable_is_answered_with_the_nearest():
+def test_an_unknown_variable_is_answered_with_the_nearest(server):
     async def scenario():
-        async with running() as server, client(server) as each:
+        async with client(server) as each:
             with pytest.raises(RpcError, match=r"no variable 'winch.angel'. Did you mean 'winch.angle'") as caught:
                 await each.call("variables.read", names=["winch.angel", "pendulum.swing"])
             assert caught.value.code == -32000
@@ -165,9 +172,9 @@ def test_reset_starts_again_at_time_zero_with_everything_at_rest():
     run(scenario())
 
 
-def test_the_model_is_described_as_the_simulation_describes_itself():
+def test_the_model_is_described_as_the_simulation_describes_itself(server):
     async def scenario():
-        async with running() as server, client(server) as each:
+        async with client(server) as each:
             description = await each.call("model.describe")
             assert description["axes"] == ["hoist", "slew"]
             assert {"name": "winch.angle", "unit": "rad", "shown": "deg"} in description["variables"]
@@ -230,12 +237,11 @@ def test_the_recording_of_all_variables_has_a_row_each_twenty_milliseconds(tmp_p
     run(scenario())
 
 
-def test_the_recording_of_an_unknown_variable_is_refused_with_the_nearest():
+def test_the_recording_of_an_unknown_variable_is_refused_with_the_nearest(server):
     async def scenario():
-        async with running() as server:
-            answer = await get_with_token(server, "/api/recording.csv?variables=winch.angel,pendulum.swing")
-            assert answer.status_code == 400
-            assert "no variable 'winch.angel'. Did you mean 'winch.angle'" in answer.text
+        answer = await get_with_token(server, "/api/recording.csv?variables=winch.angel,pendulum.swing")
+        assert answer.status_code == 400
+        assert "no variable 'winch.angel'. Did you mean 'winch.angle'" in answer.text
 
     run(scenario())
 

@@ -174,7 +174,7 @@ class Runner:
             self._writer.failure = Failure("server", [problem_json(problem)])
 
     def _fail(self, error: Exception) -> None:
-        traceback.print_exception(error)
+        _report(error)
         self._failed = True
         self._writer.failure = Failure.of(error)
 
@@ -226,6 +226,12 @@ class Runner:
         self._bell()
 
 
+def _report(error: Exception) -> None:
+    """Errors of the package say all to the user by way of the server; of any other the traceback is wanted."""
+    if not isinstance(error, SeacraneError):
+        traceback.print_exception(error)
+
+
 def main(arguments: list[str]) -> int:
     """Build and run the simulation; the exit code."""
     factory = msgspec.json.decode(arguments[0], type=Factory)
@@ -242,7 +248,7 @@ def main(arguments: list[str]) -> int:
     try:
         runner = Runner(factory, inbox, ring, writer, tape)
     except Exception as error:
-        traceback.print_exception(error)
+        _report(error)
         writer.refuse(Failure.of(error))
         return 1
     runner.run()

@@ -71,7 +71,7 @@ class Guard:
         self._service = service
         self._cookie = f"seacrane-{port}"
         self._open = not is_loopback(host)
-        self._names = _LOOPBACK_NAMES | ({host, socket.gethostname(), socket.getfqdn()} if self._open else set())
+        self._names = _LOOPBACK_NAMES | {host} | ({socket.gethostname(), socket.getfqdn()} if self._open else set())
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Called by the server for each connection."""

@@ -159,7 +159,8 @@ class Dispatcher(Generic[Caller]):
         wants_answer = not isinstance(request.id, msgspec.UnsetType)
         id = None if isinstance(request.id, msgspec.UnsetType) else request.id
         try:
-            response = _encode(_Success(await self._call(caller, request), id))
+            result = await self._call(caller, request)
+            response = _encode(_Success(result, id)) if wants_answer else b""
         except _Refused as refused:
             response = _encode(_Refusal(refused.error, id))
         except SeacraneError as error:

@@ -395,7 +395,8 @@ def _methods(service: Service) -> rpc.Dispatcher[Client]:
         subscription = client.outbox.subscriptions.get(params.subscription)
         if subscription is not None:
             subscription.acknowledge(params.seq)
-            client.outbox.wake()
+            if subscription.slot is not None:
+                client.outbox.wake()
         return Done()
 
     @methods.method("control.acquire")

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import msgspec
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from seacrane.errors import ParameterError, Problem
@@ -234,6 +234,7 @@ def check(answer):
             assert each["error"]["code"] in CODES
 
 
+@settings(deadline=None)
 @given(st.binary(max_size=200))
 def test_any_bytes_get_a_proper_answer(data):
     answer = ask(data)
@@ -241,6 +242,7 @@ def test_any_bytes_get_a_proper_answer(data):
         check(answer)
 
 
+@settings(deadline=None)
 @given(JSON | REQUEST_LIKE | st.lists(REQUEST_LIKE, max_size=3))
 def test_any_json_gets_a_proper_answer(value):
     answer = ask(value)
@@ -248,6 +250,7 @@ def test_any_json_gets_a_proper_answer(value):
         check(answer)
 
 
+@settings(deadline=None)
 @given(st.data())
 def test_a_damaged_request_gets_a_proper_answer(data):
     text = json.dumps(request("crane.move", GOOD))

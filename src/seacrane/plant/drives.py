@@ -4,7 +4,7 @@ A drive is given a spool command and the motion of what it moves, and gives the 
 one supply pressure and return to one tank. Sizes follow from the design (areas, speeds) and from `Hydraulics`, whose
 values are assumptions of the usual magnitude.
 
-    p ──┬─────────┐ 4/3 valve, overlapped spool; in its centre both service lines bleed to tank through small orifices,
+    p ──┬─────────┐ 4/3 valve, overlapped spool; in its centre both service lines are joined to the tank a little,
     t ──┴─────────┘ so that no pilot pressure is left to open the counterbalance valve
         │a       │b
         │line_a  │line_b      anti-cavitation and port relief valves on both lines
@@ -65,7 +65,7 @@ class Hydraulics:
     supply: pressure of the ring line. rod_speed: of the cylinders at about half the supply pressure in the valve.
     slew, winch: motors. holding: counterbalance setting over the supply pressure. pilot_ratio: of the counterbalance
     valves. relief: port relief over the supply pressure. line, hose: oil between valve, counterbalance valve and
-    actuator. centre: bore of the orifices that bleed the service lines in the spool's centre. fidelity: level of the
+    actuator. float_centre: opening from the service lines to tank in the spool's centre. fidelity: level of the
     cylinders.
     """
 
@@ -78,7 +78,7 @@ class Hydraulics:
     relief: Ratio = 1.25
     line: Volume = 10 * l
     hose: Volume = 5 * l
-    centre: float = 2 * mm
+    float_centre: Ratio = 0.05
     fidelity: str = "extended"
 
 
@@ -112,7 +112,7 @@ def cylinder_drive(crane: Crane, cylinder: Cylinder, start: Equilibrium, extensi
             **_losses(cylinder, p_a, p_b) if h.fidelity == "extended" else {},
         ),
     )
-    hose = _load_holding(drive, actuator.a, actuator.b, flow, p_a, p_b, h)
+    hose = _load_holding(drive, actuator.b, flow, p_a, h)
     drive.connect(hose, actuator.a)
     partner = drive.add("partner", mech.MotionInput(position=extension, correction=20.0))
     drive.connect(partner.flange, actuator.rod)
@@ -125,7 +125,8 @@ def slew_drive(crane: Crane, h: Hydraulics) -> Diagram:
     flow = h.slew.per_radian * crane.slew.speed
     drive = Diagram("slew_drive", bulk_modulus=crane.bulk_modulus)
     motor = drive.add("motor", _motor(h.slew))
-    line_a, line_b = _valve(drive, flow, 0.0, 0.0, h)
+    # A closed centre, or the column would turn freely; leakage of the edges keeps both lines near half the supply.
+    line_a, line_b = _valve(drive, flow, h, pressure=0.5 * h.supply)
     for name, source, sink in (("relief_ab", motor.a, motor.b), ("relief_ba", motor.b, motor.a)):
         relief = drive.add(name, hyd.ReliefValve(crack=0.85 * h.supply, full=h.supply, flow=flow))
         drive.connect(relief.a, source)
@@ -145,7 +146,7 @@ def winch_drive(crane: Crane, start: Equilibrium, h: Hydraulics) -> Diagram:
     p_a = start.drum_torque / h.winch.per_radian
     drive = Diagram("winch_drive", bulk_modulus=crane.bulk_modulus)
     motor = drive.add("motor", _motor(h.winch))
-    hose = _load_holding(drive, motor.a, motor.b, flow, p_a, 0.0, h)
+    hose = _load_holding(drive, motor.b, flow, p_a, h)
     drive.connect(hose, motor.a)
     _geared(drive, motor, h.winch)
     return drive
@@ -185,40 +186,45 @@ def _geared(drive: Diagram, motor: Part, motors: Motors) -> None:
 
 
 def _valve(
-    drive: Diagram, flow: FlowRate, p_a: Pressure, p_b: Pressure, h: Hydraulics
+    drive: Diagram, flow: FlowRate, h: Hydraulics, *, pressure: Pressure = 0.0, float_centre: Ratio = 0.0
 ) -> tuple[PortHandle, PortHandle]:
-    """Supply, tank, 4/3 valve and both service lines with their safety valves; gives the line volumes' ports."""
+    """Supply, tank, 4/3 valve and both service lines, at `pressure`, with their safety valves; gives the lines."""
     pump = drive.add("pump", hyd.ConstantPressurePump(pressure=h.supply))
     tank = drive.add("tank", hyd.Tank())
     valve = drive.add(
         "valve",
         hyd.DirectionalValve43(
-            level="dynamic", flow=0.7 * flow, at=RATED_DROP, leakage=1e-5, natural_frequency=SPOOL_FREQUENCY
+            level="dynamic",
+            flow=0.7 * flow,
+            at=RATED_DROP,
+            leakage=1e-5,
+            float_centre=float_centre,
+            natural_frequency=SPOOL_FREQUENCY,
         ),
     )
     drive.connect(pump.p, valve.p)
     drive.connect(tank.p, valve.t)
     drive.expose(spool=valve.x)
     lines = []
-    for side, service, pressure in (("a", valve.a, p_a), ("b", valve.b, p_b)):
+    for side, service in (("a", valve.a), ("b", valve.b)):
         line = drive.add(f"line_{side}", hyd.ControlVolume(volume=h.line, pressure=pressure))
         refill = drive.add(f"refill_{side}", hyd.AnticavitationValve(flow=2 * flow, at=0.6 * bar))
         relief = drive.add(
             f"relief_{side}",
             hyd.ReliefValve(crack=h.relief * h.supply, full=1.15 * h.relief * h.supply, flow=flow),
         )
-        centre = drive.add(f"centre_{side}", hyd.Orifice(diameter=h.centre))
-        drive.connect(service, line.a, refill.a, relief.a, centre.a)
-        drive.connect(tank.p, refill.t, relief.b, centre.b)
+        drive.connect(service, line.a, refill.a, relief.a)
+        drive.connect(tank.p, refill.t, relief.b)
         lines.append(line.a)
     return lines[0], lines[1]
 
 
-def _load_holding(
-    drive: Diagram, a: PortHandle, b: PortHandle, flow: FlowRate, p_a: Pressure, p_b: Pressure, h: Hydraulics
-) -> PortHandle:
-    """Valve, lines, and a counterbalance valve at the side `a` that carries the load; gives the hose behind it."""
-    line_a, line_b = _valve(drive, flow, 0.0, p_b, h)
+def _load_holding(drive: Diagram, b: PortHandle, flow: FlowRate, p_a: Pressure, h: Hydraulics) -> PortHandle:
+    """Valve, lines, and a counterbalance valve on the side that carries the load; gives the hose behind it.
+
+    `b` is the actuator's other port, whose line is the pilot.
+    """
+    line_a, line_b = _valve(drive, flow, h, float_centre=h.float_centre)
     holding = drive.add(
         "counterbalance",
         hyd.CounterbalanceValve(

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import ctypes
 import math
-import os
 import time
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from seacrane.cosim import Execution, FunctionSlave, GaussSeidel, System
+from seacrane.cosim.function import FunctionInstance
+from seacrane.cosim.slave import Instance
+from seacrane.errors import CosimError
 from seacrane.model.dae import Variable
 
 STEP = 0.002
@@ -34,16 +38,30 @@ class Winch:
         self.execution.set("winch.command", axes["hoist"] if deadman else 0.0)
 
 
-def build(fail_at: float = math.inf, hang_at: float = math.inf, crash_at: float = math.inf, extra: int = 0) -> Winch:
-    """The simulation; it can be made to raise, to hang in a native call, or to crash at a simulated time [s]."""
+class Forgetful(FunctionSlave):
+    """A slave whose state cannot be saved."""
+
+    def instantiate(self, name: str) -> Instance:
+        """An instance that refuses to be saved."""
+        return ForgetfulInstance(name, self.function, np.array(self.state))
+
+
+class ForgetfulInstance(FunctionInstance):
+    """Refuses to be saved."""
+
+    def save(self) -> bytes:
+        """Not possible."""
+        raise CosimError.at("winch", "keeps state of its own")
+
+
+def build(fail_at: float = math.inf, hang_at: float = math.inf, extra: int = 0, saves: bool = True) -> Winch:
+    """The simulation; it can be made to raise, or to hang in a native call, at a simulated time [s]."""
 
     def winch(t: float, h: float, x: Any, u: Any) -> Any:
         if t >= fail_at:
             raise RuntimeError("the drum has come off")
         if t >= hang_at:
             ctypes.CDLL(None).pause()
-        if t >= crash_at:
-            os.abort()
         turned = x[0] + h * u[0]
         return [turned], [turned, u[0]]
 
@@ -53,7 +71,7 @@ def build(fail_at: float = math.inf, hang_at: float = math.inf, crash_at: float 
     system = System("winch")
     system.add(
         "winch",
-        FunctionSlave(
+        (FunctionSlave if saves else Forgetful)(
             winch,
             inputs=[Variable("command")],
             outputs=[Variable("angle", "rad"), Variable("rate", "rad/s")],

@@ -155,9 +155,10 @@ def test_paused_time_stands_still_and_is_shown_once():
     run(scenario())
 
 
-def test_reset_starts_again_at_time_zero_with_everything_at_rest():
+@pytest.mark.parametrize("saves", [True, False])
+def test_reset_starts_again_at_time_zero_with_everything_at_rest(saves):
     async def scenario():
-        async with running() as server, client(server) as each:
+        async with running(saves=saves) as server, client(server) as each:
             await each.call("control.acquire")
             await each.call("control.command", axes={"hoist": 1.0}, deadman=True)
             await asyncio.sleep(0.3)
@@ -168,6 +169,8 @@ def test_reset_starts_again_at_time_zero_with_everything_at_rest():
             assert status["running"]
             after = await each.call("variables.read", names=["winch.angle", "winch.rate"])
             assert after["values"] == [0.0, 0.0]
+            answer = await get_with_token(server, "/api/recording.csv?variables=winch.angle")
+            assert {line.split(",")[1] for line in answer.text.splitlines()[1:]} == {"0.0"}
 
     run(scenario())
 

@@ -41,8 +41,10 @@ def _parser() -> argparse.ArgumentParser:
     demo.add_argument("--tp", type=float, default=9.0, metavar="S", help="peak period [s] (default 9)")
     demo.add_argument("--step", type=float, default=2.0, metavar="MS", help="macro step [ms] (default 2)")
     demo.add_argument("--host", default="127.0.0.1", help="address to listen on (default 127.0.0.1)")
-    demo.add_argument("--port", type=int, default=8642, help="port of the page (default 8642); 0 takes a free one")
-    demo.add_argument("--tcp-port", type=int, default=0, help="port of JSON-RPC over TCP; 0 takes a free one")
+    demo.add_argument("--port", type=int, default=8470, help="port of the page (default 8470); 0 takes a free one")
+    demo.add_argument(
+        "--tcp-port", type=int, default=8471, help="port of JSON-RPC over TCP (default 8471); 0 takes a free one"
+    )
     demo.add_argument("--allow-remote", action="store_true", help="allow an address other than this machine's own")
     demo.add_argument("--headless", action="store_true", help="no page: drive a recorded joystick as fast as it goes")
     demo.add_argument("--seconds", type=float, default=20.0, help="simulated time of a headless run [s] (default 20)")

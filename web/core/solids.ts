@@ -141,7 +141,7 @@ export class HullLines {
   keel(x: number): number {
     const { length, draught } = this.ship;
     const aft = Math.max(0, (-0.2 * length - x) / (0.3 * length));
-    return -draught + 0.92 * draught * aft ** 1.7;
+    return -draught + 0.8 * draught * aft ** 1.7;
   }
 
   /** Foremost point at a height. */

@@ -28,7 +28,7 @@ export function symbol(unit: string): string {
 /** Value in the engineering unit with about `digits` significant digits, never in powers of ten on everyday ranges. */
 export function shown(value: number | null, variable: VariableInfo, digits = 4): string {
   if (value === null || !Number.isFinite(value)) return DASH;
-  const scaled = value / variable.factor;
+  const scaled = value * variable.factor;
   const size = Math.abs(scaled);
   if (size !== 0 && (size >= 1e6 || size < 1e-4)) return scaled.toExponential(digits - 2).replace("-", "\u2212");
   const decimals = size === 0 ? digits - 1 : Math.max(0, Math.min(6, digits - 1 - Math.floor(Math.log10(size))));

@@ -83,7 +83,7 @@ export type WaveComponent = readonly [number, number, number, number, number];
 export interface VariableInfo {
   name: string;
   unit: string;
-  /** Engineering unit it is shown in; a value in it is the SI value divided by `factor`. */
+  /** Engineering unit it is shown in; a value in it is the SI value times `factor`. */
   shown: string;
   factor: number;
   about: string;
@@ -94,7 +94,7 @@ export interface ModelDescription {
   load: { mass: number; size: Vec3 };
   ship: ShipDimensions;
   sea: { waves: readonly WaveComponent[]; about: string };
-  slaves: readonly string[];
+  slaves: readonly { name: string; about: string }[];
   variables: readonly VariableInfo[];
 }
 

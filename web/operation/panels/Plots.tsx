@@ -178,7 +178,7 @@ function Panel({ unit, variables, colorOf, range, held, onZoom }: PanelProps) {
         const column = series.columns.get(name);
         return Array.from(series.time, (_, i) => {
           const value = column?.[i];
-          return value === undefined || Number.isNaN(value) ? null : value / factor;
+          return value === undefined || Number.isNaN(value) ? null : value * factor;
         });
       });
       plot.batch(() => {
@@ -188,7 +188,7 @@ function Panel({ unit, variables, colorOf, range, held, onZoom }: PanelProps) {
       const index = plot.cursor.idx ?? series.time.length - 1;
       setValues({
         points: series.time.length,
-        at: new Map(variables.map(({ name, factor }, i) => [name, scale(columns[i][index], factor)])),
+        at: new Map(variables.map(({ name, factor }, i) => [name, toSi(columns[i][index], factor)])),
       });
     };
     draw();
@@ -246,8 +246,8 @@ function roomy(_: uPlot, low: number | null, high: number | null): [number, numb
   return [middle - half, middle + half];
 }
 
-function scale(value: number | null | undefined, factor: number): number | null {
-  return value === null || value === undefined ? null : value * factor;
+function toSi(value: number | null | undefined, factor: number): number | null {
+  return value === null || value === undefined ? null : value / factor;
 }
 
 // ---------------------------------------------------------------- choosing

@@ -55,7 +55,7 @@ export function Cameras({ view, request }: { view: View; request: number }) {
       camera.position.copy(eye);
       // The operator watches the hook, and turns the head a little towards it, not all the way.
       look.set(EYE[0] + 30, EYE[1] - 1.2, EYE[2] + 1).applyMatrix4(m);
-      look.lerp(hook, 0.6);
+      look.lerp(hook, 0.75).z -= 2.5;
       camera.up.set(0, 0, 1).applyQuaternion(director.shipOrientation);
       camera.lookAt(look);
       camera.fov = MathUtils.damp(camera.fov, 62, fresh ? 1e9 : 4, 0.016);
@@ -108,5 +108,5 @@ function place(view: View, foot: Vector3, hook: Vector3): { position: Vector3; t
       target: hook.clone().add(new Vector3(0, 0, -2)),
     };
   }
-  return { position: at(-76, out * 52, 27), target: at(10, out * 3.5, 12) };
+  return { position: at(-69, out * 48, 26), target: at(9, out * 4, 13.2) };
 }

@@ -10,6 +10,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from seacrane import design, ocean, plant
 from seacrane.control.joystick import AXES
 from seacrane.cosim import Execution, FmuSlave, GaussSeidel, RealTime, System
@@ -74,7 +76,8 @@ def _sea(s: Settings) -> tuple[ocean.WaveList, Fixed | Harmonic]:
     In an irregular sea that is the regular wave of equal energy, H = Hs / sqrt(2), at the peak period.
     """
     if s.sea == "calm" or s.hs == 0:
-        return ocean.regular(0.0, s.tp, HEADING), Fixed()
+        nothing = np.empty(0)
+        return ocean.WaveList(nothing, nothing, nothing, nothing, nothing, "calm water"), Fixed()
     height = s.hs if s.sea == "swell" else s.hs / math.sqrt(2)
     size = {k: SHIP[k] for k in ("length", "beam", "draught")}
     ship = Harmonic.following(height, s.tp, HEADING, **size)

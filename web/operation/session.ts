@@ -297,10 +297,13 @@ export class Session {
       if (event.code === "Space" && !isControl(event.target)) {
         this.drop();
         event.preventDefault();
-      } else if (this.sticks.press(event.code)) event.preventDefault();
+      } else if (this.sticks.press(event.code)) {
+        event.preventDefault();
+        if (!event.repeat) this.beat();
+      }
     });
     this.on(window, "keyup", (event) => {
-      this.sticks.release(event.code);
+      if (this.sticks.release(event.code)) this.beat();
     });
     this.on(window, "blur", () => this.drop());
     this.on(document, "visibilitychange", () => {

@@ -26,7 +26,7 @@ export default function Plots() {
   const byName = useMemo(() => new Map(variables.map((v) => [v.name, v])), [variables]);
   const chosen = plotted.flatMap((name) => byName.get(name) ?? []);
   const units = [...new Set(chosen.map((v) => v.shown))];
-  const range = (): Range => frozen ?? { from: session.history.latest - span, to: session.history.latest };
+  const range = (): Range => frozen ?? { from: Math.max(0, session.history.latest - span), to: session.history.latest };
 
   const download = () => {
     const { from, to } = range();
@@ -145,7 +145,7 @@ function Panel({ unit, variables, colorOf, range, held, onZoom }: PanelProps) {
         scales: { x: { time: false }, y: { range: roomy } },
         axes: [
           { ...axis, size: 26, values: (_, ticks) => ticks.map((t) => `${Number(t.toFixed(3))} s`) },
-          { ...axis, size: 52 },
+          { ...axis, size: 52, space: 24 },
         ],
         series: [
           {},

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from math import pi
 from typing import Any
 
-from seacrane.model import Component, Rotational, SignalIn, SignalOut, Translational, initial, parameter
+from seacrane.model import BondGraph, Component, Rotational, SignalIn, SignalOut, Translational, initial, parameter
 from seacrane.numerics.regularise import maximum, smooth_sign
 from seacrane.units import (
     Acceleration,
@@ -49,6 +49,9 @@ class Mass(Component):
     gravity: Acceleration = parameter("gravity against +v", default=0.0, least=-100, most=100)
     speed: Speed = initial("speed at the start", least=-1e3, most=1e3)
     ports = {"flange": Translational("where forces act")}
+    bond_graph = BondGraph(
+        "motion: 1, inertia: I, weight: Se", "flange -> motion, motion ->| inertia, weight ->| motion"
+    )
     sources = (DISSERTATION,)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
@@ -65,6 +68,7 @@ class Inertia(Component):
     inertia: MomentOfInertia = parameter("moment of inertia", above=0, most=1e9)
     speed: AngularSpeed = initial("speed at the start", least=-1e4, most=1e4)
     ports = {"flange": Rotational("where torques act")}
+    bond_graph = BondGraph("inertia: I", "flange ->| inertia")
     sources = (DISSERTATION,)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
@@ -87,6 +91,10 @@ class SpringDamper(Component):
     damping: Damping = parameter("damping", least=0, most=1e12)
     compression: Length = initial("compression at the start", least=-1e3, most=1e3)
     ports = {"a": Translational("one end"), "b": Translational("other end")}
+    bond_graph = BondGraph(
+        "between: 0, closing: 1, spring: C, damper: R",
+        "a -> between, between -> b, between -> closing, closing |-> spring, closing |-> damper",
+    )
     sources = (DISSERTATION,)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
@@ -105,6 +113,10 @@ class TorsionalSpringDamper(Component):
     stiffness: RotationalStiffness = parameter("stiffness", least=0, most=1e13)
     damping: RotationalDamping = parameter("damping", least=0, most=1e12)
     ports = {"a": Rotational("one end"), "b": Rotational("other end")}
+    bond_graph = BondGraph(
+        "between: 0, slip: 1, spring: C, damper: R",
+        "a -> between, between -> b, between -> slip, slip |-> spring, slip |-> damper",
+    )
     sources = (DISSERTATION,)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
@@ -124,6 +136,7 @@ class RotationalFriction(Component):
     coulomb: Torque = parameter("Coulomb friction torque", least=0, most=1e9)
     friction_speed: AngularSpeed = parameter("speed within which it turns its sign", default=1e-2, above=0, most=10)
     ports = {"flange": Rotational("shaft")}
+    bond_graph = BondGraph("friction: R", "flange |-> friction")
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         w = m.flange.w
@@ -140,6 +153,7 @@ class Gear(Component):
 
     reduction: Ratio = parameter("speed of a over speed of b", above=0, most=1e5)
     ports = {"a": Rotational("fast shaft"), "b": Rotational("slow shaft")}
+    bond_graph = BondGraph("gear: TF", "a -> gear, gear -> b")
     sources = (DISSERTATION,)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
@@ -159,6 +173,7 @@ class WinchDrum(Component):
 
     radius: Length = parameter("radius of the drum to the centre of the first layer", above=0, most=20)
     ports = {"shaft": Rotational("shaft; hoisting is positive"), "rope": Translational("rope; coming in is positive")}
+    bond_graph = BondGraph("drum: TF", "shaft -> drum, drum -> rope")
     sources = (DISSERTATION,)
 
     def winding(self, m: Any, radius: Any) -> Iterator[tuple[Any, Any]]:
@@ -188,6 +203,7 @@ class LayeredWinchDrum(WinchDrum, level="layers"):
     width: Length = parameter("width of the drum between flanges", above=0, most=50)
     packing: Ratio = parameter("packing factor", default=1.0, above=0.5, most=1.5)
     wound: Length = initial("length of rope on the drum at the start", least=0, most=5e4)
+    bond_graph = BondGraph("drum: MTF", "shaft -> drum, drum -> rope")
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         length = m.state("wound", unit="m", start=self.wound, nominal=100.0, about="length of rope on the drum")
@@ -221,6 +237,7 @@ class MotionInput(Component):
         "F": SignalOut("N", "force on the partner, positive along v"),
         "work": SignalOut("J", "work done on the partner"),
     }
+    bond_graph = BondGraph("partner: MSf", "partner |-> flange")
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         x = m.state("position", unit="m", start=self.position, about="own position of the flange")
@@ -245,6 +262,7 @@ class SpeedInput(Component):
         "T": SignalOut("N.m", "torque on the partner, positive along w"),
         "work": SignalOut("J", "work done on the partner"),
     }
+    bond_graph = BondGraph("partner: MSf", "partner |-> flange")
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         w = m.state("work_done", unit="J", nominal=1e5, about="work done on the partner")
@@ -269,6 +287,7 @@ class ForceInput(Component):
         "x": SignalOut("m", "position there"),
         "work": SignalOut("J", "work done on the partner"),
     }
+    bond_graph = BondGraph("partner: MSe", "partner ->| flange")
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         x = m.state("position", unit="m", start=self.position, about="position of the flange")
@@ -291,6 +310,7 @@ class TorqueInput(Component):
         "w": SignalOut("rad/s", "speed there"),
         "work": SignalOut("J", "work done on the partner"),
     }
+    bond_graph = BondGraph("partner: MSe", "partner ->| flange")
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         w = m.state("work_done", unit="J", nominal=1e5, about="work done on the partner")

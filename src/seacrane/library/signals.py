@@ -16,7 +16,7 @@ from typing import Any
 import casadi as ca
 
 from seacrane.errors import Problem, nearest
-from seacrane.model import Component, SignalIn, SignalOut, initial, option, parameter
+from seacrane.model import BondGraph, Component, SignalIn, SignalOut, initial, option, parameter
 from seacrane.model.ports import Port
 from seacrane.numerics.regularise import limit, maximum, piecewise_linear
 from seacrane.units import UNITS, Angle, AngularSpeed, Ratio, Time
@@ -28,6 +28,7 @@ class _Keeping(Component):
     """A block whose signals are all in one unit."""
 
     unit: str = option("unit of the signals", default="1")
+    bond_graph = BondGraph()
 
     def check(self) -> Iterator[Problem]:
         yield from _unit_problem(self, "unit", self.unit)
@@ -41,6 +42,7 @@ class _Changing(Component):
 
     takes: str = option("unit of the inputs", default="1")
     gives: str = option("unit of the output", default="1")
+    bond_graph = BondGraph()
 
     def check(self) -> Iterator[Problem]:
         yield from _unit_problem(self, "takes", self.takes)

@@ -11,9 +11,11 @@ from .diagram import Diagram, Part, PortHandle
 from .native import NativeInstance, NativeModel, build
 from .ports import Hydraulic, Rotational, SignalIn, SignalOut, Translational
 from .simulate import simulate
+from .structure import BondGraph, Symbol
 
 __all__ = [
     "REGISTRY",
+    "BondGraph",
     "Component",
     "Dae",
     "Diagram",
@@ -25,6 +27,7 @@ __all__ = [
     "Rotational",
     "SignalIn",
     "SignalOut",
+    "Symbol",
     "Translational",
     "Variable",
     "build",

@@ -29,6 +29,7 @@ from seacrane.errors import ParameterError, Problem, nearest
 from seacrane.units import UNITS, Quantity, quantity_of
 
 from .ports import Port
+from .structure import BondGraph, Symbol
 
 _ROLE: Final = "seacrane.role"
 
@@ -127,6 +128,8 @@ class Component:
     levels: ClassVar[dict[str, type[Component]]]
     declarations: ClassVar[dict[str, tuple[Declaration, Quantity | None]]] = {}
     sources: ClassVar[tuple[str, ...]] = ()
+    bond_graph: ClassVar[BondGraph | None] = None
+    icon: ClassVar[Symbol | None] = None
 
     def __init_subclass__(cls, level: str | None = None, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import casadi as ca
 
 from seacrane.errors import Problem
-from seacrane.model import Component, Hydraulic, Translational, initial, parameter
+from seacrane.model import BondGraph, Component, Hydraulic, Translational, initial, parameter
 from seacrane.numerics.regularise import limit, maximum, smooth_sign
 from seacrane.units import (
     Area,
@@ -60,6 +60,10 @@ class DoubleActingCylinder(Component):
         "b": Hydraulic("rod side"),
         "rod": Translational("rod eye; extending is positive"),
     }
+    bond_graph = BondGraph(
+        "piston_side: TF, rod_side: TF, piston: 1",
+        "a -> piston_side, piston_side -> piston, piston -> rod_side, rod_side -> b, piston -> rod",
+    )
     sources: ClassVar[tuple[str, ...]] = (f"{MERRITT}, chapter 6", DISSERTATION)
 
     def check(self) -> Iterator[Problem]:
@@ -136,6 +140,14 @@ class ExtendedDoubleActingCylinder(DoubleActingCylinder, level="extended"):
     transition_pressure: Pressure = transition_pressure()
     pressure_a: Pressure = initial("piston-side pressure at the start (gauge)", least=-1e5, most=1e8)
     pressure_b: Pressure = initial("rod-side pressure at the start (gauge)", least=-1e5, most=1e8)
+    bond_graph = BondGraph(
+        "in_a: 1, port_a: R, chamber_a: 0, oil_a: C, piston_side: TF, past: 1, leakage: R,"
+        "piston: 1, friction: R, stop: C, stop_damping: R, rod_side: TF, chamber_b: 0, oil_b: C, out_b: 1, port_b: R",
+        "a -> in_a, in_a ->| port_a, in_a -> chamber_a, chamber_a |-> oil_a, chamber_a -> piston_side,"
+        "piston_side -> piston, piston |-> friction, piston |-> stop, piston |-> stop_damping, piston -> rod,"
+        "piston -> rod_side, rod_side -> chamber_b, chamber_b |-> oil_b, chamber_a -> past, past ->| leakage,"
+        "past -> chamber_b, chamber_b -> out_b, out_b ->| port_b, out_b -> b",
+    )
 
     def friction(self, v: Any) -> Any:
         """F_f [N] at speed v."""

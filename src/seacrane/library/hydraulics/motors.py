@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from seacrane.model import Component, Hydraulic, Rotational, parameter
+from seacrane.model import BondGraph, Component, Hydraulic, Rotational, parameter
 from seacrane.numerics.regularise import smooth_sign
 from seacrane.units import AngularSpeed, Displacement, Leakage, Ratio, RotationalDamping, Torque
 
@@ -33,6 +33,11 @@ class HydraulicMotor(Component):
         "speed within which friction turns its sign", default=0.1, above=0, most=10
     )
     ports = {"a": Hydraulic("inlet at w > 0"), "b": Hydraulic("outlet at w > 0"), "shaft": Rotational("shaft")}
+    bond_graph = BondGraph(
+        "through: 1, drop: 0, leakage: R, displacement: TF, speed: 1, friction: R",
+        "a -> through, through -> b, through -> drop, drop ->| leakage, drop -> displacement, displacement -> speed,"
+        "speed |-> friction, speed -> shaft",
+    )
     sources = (f"{MERRITT}, chapter 4", DISSERTATION)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import pi
 from typing import Any
 
-from seacrane.model import Component, Hydraulic, SignalIn, parameter
+from seacrane.model import BondGraph, Component, Hydraulic, SignalIn, parameter
 from seacrane.numerics.regularise import limit
 from seacrane.units import Density, Diameter, Pressure, Ratio
 
@@ -29,6 +29,7 @@ class Orifice(Component):
     density: Density = density()
     transition_pressure: Pressure = transition_pressure()
     ports = {"a": Hydraulic("inlet"), "b": Hydraulic("outlet")}
+    bond_graph = BondGraph("through: 1, edge: R", "a -> through, through -> b, through ->| edge")
     sources = _SOURCES
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
@@ -47,6 +48,7 @@ class VariableOrifice(Component):
     density: Density = density()
     transition_pressure: Pressure = transition_pressure()
     ports = {"k": SignalIn("1", "opening", minimum=0, maximum=1), "a": Hydraulic("inlet"), "b": Hydraulic("outlet")}
+    bond_graph = BondGraph("through: 1, edge: MR", "a -> through, through -> b, through ->| edge")
     sources = _SOURCES
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:

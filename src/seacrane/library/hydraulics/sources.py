@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from seacrane.model import Component, Hydraulic, SignalIn, SignalOut, parameter
+from seacrane.model import BondGraph, Component, Hydraulic, SignalIn, SignalOut, parameter
 from seacrane.units import AngularSpeed, Displacement, Pressure
 
 from .fluid import DISSERTATION
@@ -19,6 +19,7 @@ class ConstantPressurePump(Component):
 
     pressure: Pressure = parameter("supply pressure (gauge)", least=0, most=1e8)
     ports = {"p": Hydraulic("outlet")}
+    bond_graph = BondGraph("supply: Se", "supply ->| p")
     sources = (DISSERTATION,)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
@@ -35,6 +36,7 @@ class ConstantFlowPump(Component):
     displacement: Displacement = parameter("displacement", above=0, most=1e-2)
     speed: AngularSpeed = parameter("shaft speed", least=0, most=1e3)
     ports = {"p": Hydraulic("outlet")}
+    bond_graph = BondGraph("supply: Sf", "supply |-> p")
     sources = (DISSERTATION,)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
@@ -47,6 +49,7 @@ class Tank(Component):
 
     pressure: Pressure = parameter("pressure in the tank (gauge)", default=0.0, least=-1e5, most=1e7)
     ports = {"p": Hydraulic("return")}
+    bond_graph = BondGraph("tank: Se", "tank ->| p")
     sources = (DISSERTATION,)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
@@ -58,6 +61,7 @@ class Plug(Component):
     """A closed end: no flow."""
 
     ports = {"a": Hydraulic("plugged port")}
+    bond_graph = BondGraph("closed: Sf", "closed |-> a")
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield m.a.q, 0
@@ -67,6 +71,7 @@ class PressureInput(Component):
     """A pressure given by a signal; `q` reports the flow delivered into the circuit."""
 
     ports = {"set": SignalIn("Pa", "pressure"), "p": Hydraulic("outlet"), "q": SignalOut("m3/s", "flow delivered")}
+    bond_graph = BondGraph("source: MSe", "source ->| p")
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield m.p.p, m.set
@@ -78,6 +83,7 @@ class FlowInput(Component):
     """A flow given by a signal, positive into the circuit; `p` of the port is what the circuit makes of it."""
 
     ports = {"set": SignalIn("m3/s", "flow into the circuit"), "p": Hydraulic("outlet")}
+    bond_graph = BondGraph("source: MSf", "source |-> p")
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield m.p.q, -m.set

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from seacrane.errors import Problem
-from seacrane.model import Component, Hydraulic, SignalIn, parameter
+from seacrane.model import BondGraph, Component, Hydraulic, SignalIn, parameter
 from seacrane.numerics.regularise import limit, maximum, minimum, positive_part, smooth_limit
 from seacrane.units import AngularSpeed, FlowRate, Pressure, Ratio, Time, bar
 
@@ -66,6 +66,12 @@ class DirectionalValve43(Component):
         "a": Hydraulic("working port A"),
         "b": Hydraulic("working port B"),
     }
+    bond_graph = BondGraph(
+        "from_p: 0, to_a: 0, to_b: 0, to_t: 0, pa: 1, pb: 1, at: 1, bt: 1,"
+        "edge_pa: MR, edge_pb: MR, edge_at: MR, edge_bt: MR",
+        "p -> from_p, from_p -> pa, pa -> to_a, from_p -> pb, pb -> to_b, to_a -> at, at -> to_t, to_b -> bt,"
+        "bt -> to_t, pa ->| edge_pa, pb ->| edge_pb, at ->| edge_at, bt ->| edge_bt, to_a -> a, to_b -> b, to_t -> t",
+    )
     sources = (f"{MERRITT}, chapter 5", DISSERTATION)
 
     def check(self) -> Iterator[Problem]:
@@ -141,6 +147,9 @@ class CounterbalanceValve(Component):
     leakage: Ratio = parameter("opening that remains when closed, of full area", default=1e-6, least=0, most=0.1)
     transition_pressure: Pressure = transition_pressure()
     ports = {"a": Hydraulic("valve side"), "b": Hydraulic("load side"), "pilot": Hydraulic("pilot pressure")}
+    bond_graph = BondGraph(
+        "through: 1, seat: MR, pilot_piston: Sf", "a -> through, through -> b, through ->| seat, pilot ->| pilot_piston"
+    )
     sources = (DISSERTATION,)
 
     def check(self) -> Iterator[Problem]:
@@ -195,6 +204,7 @@ class ReliefValve(Component):
     flow: FlowRate = parameter("flow at the pressure drop `full`", above=0, most=1)
     transition_pressure: Pressure = transition_pressure()
     ports = {"a": Hydraulic("protected side"), "b": Hydraulic("relieved to")}
+    bond_graph = BondGraph("through: 1, seat: R", "a -> through, through -> b, through ->| seat")
     sources = (DISSERTATION,)
 
     def check(self) -> Iterator[Problem]:
@@ -223,6 +233,7 @@ class CheckValve(Component):
     full: Pressure = parameter("pressure drop at which it is fully open", default=2 * bar, above=0, most=1e8)
     transition_pressure: Pressure = transition_pressure()
     ports = {"a": Hydraulic("inlet"), "b": Hydraulic("outlet")}
+    bond_graph = BondGraph("through: 1, seat: R", "a -> through, through -> b, through ->| seat")
 
     def check(self) -> Iterator[Problem]:
         yield from _rising(type(self).__name__, ("crack", self.crack), ("full", self.full))
@@ -250,6 +261,7 @@ class AnticavitationValve(Component):
     full: Pressure = parameter("pressure drop at which it is fully open", default=0.4 * bar, above=0, most=1e6)
     transition_pressure: Pressure = transition_pressure()
     ports = {"t": Hydraulic("tank"), "a": Hydraulic("line to keep filled")}
+    bond_graph = BondGraph("through: 1, seat: R", "t -> through, through -> a, through ->| seat")
     sources = (DISSERTATION,)
 
     def check(self) -> Iterator[Problem]:

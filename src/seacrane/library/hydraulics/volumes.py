@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from seacrane.model import Component, Hydraulic, initial, parameter
+from seacrane.model import BondGraph, Component, Hydraulic, initial, parameter
 from seacrane.units import Pressure, Volume
 
 from .fluid import DISSERTATION, MERRITT, bulk_modulus
@@ -23,6 +23,7 @@ class ControlVolume(Component):
     bulk_modulus: Pressure = bulk_modulus()
     pressure: Pressure = initial("pressure at the start (gauge)", least=-1e5, most=1e8)
     ports = {"a": Hydraulic("oil in")}
+    bond_graph = BondGraph("oil: C", "a |-> oil")
     sources = (f"{MERRITT}, chapter 3", DISSERTATION)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:

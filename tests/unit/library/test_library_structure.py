@@ -1,0 +1,20 @@
+"""Every component of the library can be drawn: it has a bond graph that fits its ports."""
+
+from __future__ import annotations
+
+import pytest
+
+import seacrane.library.hydraulics
+import seacrane.library.mechanics
+import seacrane.library.signals  # noqa: F401  (the registry holds what was imported)
+from seacrane.model import REGISTRY, Component
+from seacrane.model.ports import PowerPort
+
+LIBRARY = [c for c in REGISTRY if c.__module__.startswith("seacrane.library")]
+
+
+@pytest.mark.parametrize("component", LIBRARY, ids=lambda c: c.__name__)
+def test_bond_graph_has_one_bond_at_each_power_port(component: type[Component]) -> None:
+    power_ports = {name for name, port in component.ports.items() if isinstance(port, PowerPort)}
+    assert component.bond_graph is not None
+    assert component.bond_graph.misfits(component.__name__, power_ports) == []

@@ -125,6 +125,11 @@ export class CommandRepeater {
 
   constructor(readonly interval = 1 / 15) {}
 
+  /** Nothing is owed any more: the controls or the link are gone. */
+  forget(): void {
+    this.zerosLeft = 0;
+  }
+
   /** Whether to send now (seconds of a monotonic clock). */
   due(demand: Demand, now: number): boolean {
     if (demand.deadman) {

@@ -158,7 +158,8 @@ export class Session {
 
   private async order(method: "simulation.pause" | "simulation.resume" | "simulation.reset"): Promise<void> {
     try {
-      this.store.setState({ status: await this.client.call(method, {}), notice: null });
+      this.learn(await this.client.call(method, {}));
+      this.dismiss();
     } catch (reason) {
       this.tell(reason);
     }
@@ -238,11 +239,18 @@ export class Session {
     });
   }
 
+  /** Whoever loses the controls to somebody else has let go, whatever is still held. */
+  private learn(status: SimulationStatus): void {
+    const lost = this.driving && status.driver !== null && status.driver !== status.you;
+    this.store.setState({ status });
+    if (lost) this.drop();
+  }
+
   private async poll(): Promise<void> {
     if (this.store.getState().link !== "open") return;
     try {
-      const status = await this.client.call("simulation.status", {});
-      this.store.setState({ status, latency: this.client.latency });
+      this.learn(await this.client.call("simulation.status", {}));
+      this.store.setState({ latency: this.client.latency });
     } catch (reason) {
       this.tell(reason);
     }
@@ -253,9 +261,9 @@ export class Session {
     const demand = this.sticks.demand(gamepad(), (now - this.lastBeat) / 1000);
     this.lastBeat = now;
     if (!sameDemand(demand, this.store.getState().demand)) this.store.setState({ demand });
-    if (this.store.getState().link !== "open") return;
-    if (demand.deadman && !this.driving) {
-      void this.acquire(false);
+    if (!this.driving) {
+      this.repeater.forget();
+      if (demand.deadman) void this.acquire(false);
       return;
     }
     if (this.repeater.due(demand, now / 1000)) {
@@ -264,7 +272,7 @@ export class Session {
         .then(({ accepted }) => {
           if (!accepted) void this.poll();
         })
-        .catch((reason) => this.tell(reason));
+        .catch(() => this.poll()); // no longer the driver: see who is
     }
   }
 
@@ -272,6 +280,7 @@ export class Session {
     const { status } = this.store.getState();
     if (this.acquiring || !status) return;
     if (!takeOver && status.driver !== null && status.driver !== status.you) {
+      this.drop();
       this.store.setState({ notice: `Client ${status.driver} holds the controls. Take over to drive.` });
       return;
     }

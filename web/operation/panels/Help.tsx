@@ -17,7 +17,14 @@ const ROWS: readonly (readonly [string, string, string])[] = [
 
 export function Help({ open, onClose }: { open: boolean; onClose: () => void }) {
   return (
-    <Modal opened={open} onClose={onClose} title="Keys and gamepad" size="lg" data-testid="help-dialog">
+    <Modal
+      opened={open}
+      onClose={onClose}
+      title="Keys and gamepad"
+      size="xl"
+      transitionProps={{ duration: 80 }}
+      data-testid="help-dialog"
+    >
       <table className="help">
         <thead>
           <tr>

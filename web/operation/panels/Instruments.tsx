@@ -4,8 +4,9 @@ import { usePage } from "./usePage";
 /** The crane's instruments: load moment first, then posture, hoist and hydraulics. */
 export function Instruments() {
   const r = usePage((page) => page.readings);
+  const stale = usePage((page) => page.link !== "open");
   return (
-    <aside className="instruments" aria-label="Instruments">
+    <aside className="instruments" aria-label="Instruments" data-stale={stale && r !== null}>
       <LoadMoment
         load={r?.load ?? null}
         rated={r?.rated ?? null}

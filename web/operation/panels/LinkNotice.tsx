@@ -23,7 +23,10 @@ export function LinkNotice() {
     return (
       <div className="notice" role="alert" data-testid="notice">
         <h2>Link lost</h2>
-        <p>The crane has been told to stand still. Trying to reach the server again.</p>
+        <p>
+          The server stops the crane by itself when it hears nothing for half a second. What the instruments show is
+          what they showed last. Trying to reach the server again.
+        </p>
       </div>
     );
   }

@@ -9,6 +9,7 @@ export function SticksPanel() {
   const you = usePage((page) => page.status?.you ?? null);
   const open = usePage((page) => page.link === "open");
   const mine = driver !== null && driver === you;
+  const holder = mine ? "You hold the controls" : driver ? `Client ${driver} holds the controls` : "Controls are free";
   return (
     <section className="sticks" aria-label="Controls">
       <Stick
@@ -21,10 +22,10 @@ export function SticksPanel() {
       <div className="driver">
         <div className="lamp" data-on={deadman} data-testid="deadman">
           <i aria-hidden="true" />
-          <span>{deadman ? `Dead man held (${source})` : "Dead man released"}</span>
+          <span>{deadman ? `Dead man: ${source}` : "Dead man released"}</span>
         </div>
         <div className="holder" data-testid="driver" data-driver={driver ?? ""} data-mine={mine}>
-          {mine ? "You hold the controls" : driver ? `Client ${driver} holds the controls` : "Controls are free"}
+          {open ? holder : "No link"}
         </div>
         {mine ? (
           <Button size="compact-xs" variant="default" data-testid="release" onClick={() => void session.release()}>

@@ -34,7 +34,7 @@ export function Cameras({ view, request }: { view: View; request: number }) {
     // A narrow picture keeps the width of the scene in view.
     camera.fov = size.width < size.height * 1.35 ? FIELD * 1.25 : FIELD;
     camera.near = 0.4;
-    camera.far = 9000;
+    camera.far = 20_000;
     camera.updateProjectionMatrix();
   }, [camera, size]);
 

@@ -34,7 +34,7 @@ export default function Scene({ session, model, view, request, onReady }: Props)
       shadows={{ type: PCFShadowMap }}
       dpr={SOFTWARE ? 1 : [1, 2]}
       frameloop={SOFTWARE ? "demand" : "always"}
-      camera={{ fov: 38, near: 0.4, far: 9000, position: [-86, 53, 25] }}
+      camera={{ fov: 38, near: 0.4, far: 20_000, position: [-86, 53, 25] }}
       gl={{
         antialias: !SOFTWARE,
         toneMapping: ACESFilmicToneMapping,

@@ -17,7 +17,7 @@ import { useDirector } from "./director";
 
 const COUNT = 129;
 const NEAR = 1.6;
-const REACH = 4500;
+const REACH = 12_000;
 const RIPPLE = 23;
 
 /** The sea of the physics: the same waves at the same time. Ripples smaller than its waves are in the shading only. */

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -49,8 +50,8 @@ def _parser() -> argparse.ArgumentParser:
     demo.add_argument("--headless", action="store_true", help="no page: drive a recorded joystick as fast as it goes")
     demo.add_argument("--seconds", type=float, default=20.0, help="simulated time of a headless run [s] (default 20)")
     demo.add_argument("--realtime", action="store_true", help="pace a headless run to the clock")
-    demo.add_argument("--report", type=Path, metavar="FILE", help="write the report of a headless run as JSON")
-    demo.add_argument("--csv", type=Path, metavar="FILE", help="write the signals of a headless run as CSV")
+    demo.add_argument("--report", type=_output, metavar="FILE", help="write the report of a headless run as JSON")
+    demo.add_argument("--csv", type=_output, metavar="FILE", help="write the signals of a headless run as CSV")
     demo.set_defaults(run=_demo)
 
     fmu = commands.add_parser("fmu", help="look at an FMU").add_subparsers(required=True, metavar="ACTION")
@@ -63,6 +64,14 @@ def _parser() -> argparse.ArgumentParser:
     check.add_argument("file")
     check.set_defaults(run=_check_design)
     return parser
+
+
+def _output(text: str) -> Path:
+    """A file to be written: that it can be is better known before a long run than after it."""
+    path = Path(text)
+    if path.is_dir() or not os.access(path.parent, os.W_OK):
+        raise argparse.ArgumentTypeError(f"{text!r} cannot be written; give a file in a folder that exists")
+    return path
 
 
 def _demo(options: argparse.Namespace) -> int:

@@ -51,7 +51,7 @@ class Server:
                 "host",
                 f"{host!r} can be reached from other machines, and the connection is not encrypted",
                 allowed="127.0.0.1, ::1, localhost",
-                hint="Pass allow_remote=True if everyone on that network may see the token.",
+                hint="Allow it (--allow-remote) if everyone on that network may see the token.",
             )
         self.host = host
         self.token = token or secrets.token_urlsafe(24)

@@ -44,7 +44,7 @@ check: setup $(VENV)/.tools
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	cd web && npm run check
-	$(BIN)/mkdocs build --strict --quiet
+	$(BIN)/mkdocs build --strict
 
 format:
 	$(BIN)/ruff format src tests examples benchmarks

@@ -6,7 +6,7 @@ PAGE   := src/seacrane/server/page/index.html
 WEB    := $(shell find web -path web/node_modules -prune -o -type f -print 2>/dev/null)
 ARGS   ?=
 
-.PHONY: demo test check setup docs format clean
+.PHONY: demo test check setup browser docs format clean
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.installed $(PAGE)
@@ -34,7 +34,13 @@ $(PAGE): web/node_modules/.installed $(WEB)
 demo: setup
 	$(BIN)/seacrane demo $(ARGS)
 
-test: setup $(VENV)/.tools
+# The browser tests drive Debian's chromium; as root it is installed, else the command to do so is named.
+browser:
+	@command -v chromium >/dev/null || { [ "$$(id -u)" = 0 ] && apt-get update -qq && \
+	  DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium; } || \
+	  { echo "The browser tests need chromium: sudo apt-get install chromium"; exit 1; }
+
+test: setup browser $(VENV)/.tools
 	$(BIN)/python -m pytest
 	cd web && npm test
 

@@ -43,11 +43,15 @@ GRAVITY: Final = 9.81
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit by its symbol: exponents of (kg, m, s, rad) and the factor to SI."""
+    """A unit by its symbol: exponents of (kg, m, s, rad) and of kelvin, and the factor to SI."""
 
     symbol: str
     dimension: tuple[int, int, int, int]
     factor: float
+    kelvin: int = 0
+
+    def same_dimension(self, other: Unit) -> bool:
+        return (self.dimension, self.kelvin) == (other.dimension, other.kelvin)
 
 
 _NONE, _MASS, _LENGTH, _TIME, _ANGLE = (0, 0, 0, 0), (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)
@@ -113,6 +117,9 @@ UNITS: Final[dict[str, Unit]] = {
         Unit("N.m/rad", (1, 2, -2, -1), 1.0),
         Unit("N.m.s/rad", (1, 2, -1, -1), 1.0),
         Unit("m3/(s.Pa)", (-1, 4, 1, 0), 1.0),
+        Unit("m2/s", (0, 2, -1, 0), 1.0),
+        Unit("mm2/s", (0, 2, -1, 0), 1e-6),
+        Unit("K", _NONE, 1.0, kelvin=1),
         Unit("1/m", (0, -1, 0, 0), 1.0),
         Unit("rad/m", (0, -1, 0, 1), 1.0),
     )
@@ -122,6 +129,7 @@ DISPLAY: Final[dict[str, str]] = {
     "m3/s": "l/min",
     "m3/rad": "cm3/rev",
     "m3": "l",
+    "m2/s": "mm2/s",
     "Pa": "bar",
     "N": "kN",
     "N.m": "kN.m",
@@ -146,13 +154,13 @@ def unit(symbol: str, path: str = "") -> Unit:
 
 def compatible(first: str, second: str) -> bool:
     """Whether two unit symbols are of one dimension."""
-    return unit(first).dimension == unit(second).dimension
+    return unit(first).same_dimension(unit(second))
 
 
 def convert(value: float, source: str, target: str, path: str = "") -> float:
     """`value` given in `source`, expressed in `target`; `UnitError` if their dimensions differ."""
     a, b = unit(source, path), unit(target, path)
-    if a.dimension != b.dimension:
+    if not a.same_dimension(b):
         raise UnitError.at(path, f"a quantity in {source!r} cannot be given in {target!r}", allowed=_same_dimension(b))
     return value * (a.factor / b.factor)
 
@@ -175,13 +183,13 @@ def parse(text: str, si_symbol: str, path: str = "") -> float:
     if match is None:
         raise UnitError.at(path, "is not a number with a unit", value=text, allowed=_same_dimension(needed))
     number, symbol = match.groups()
-    if symbol is None and needed.dimension != _NONE:
+    if symbol is None and not needed.same_dimension(UNITS["1"]):
         raise UnitError.at(path, "the unit is missing", value=text, allowed=_same_dimension(needed))
     return convert(float(number), symbol or "1", si_symbol, path)
 
 
 def _same_dimension(wanted: Unit) -> str:
-    return ", ".join(u.symbol for u in UNITS.values() if u.dimension == wanted.dimension)
+    return ", ".join(u.symbol for u in UNITS.values() if u.same_dimension(wanted))
 
 
 # ---------------------------------------------------------------- quantities: the unit in the type
@@ -210,7 +218,7 @@ class Quantity:
             return None
         for symbol in dict.fromkeys((self.display, "mm", "bar", "l/min", "deg", "kN", "t", "cm3/rev", "rpm")):
             candidate = UNITS[symbol]
-            same = candidate.dimension == UNITS[self.unit].dimension
+            same = candidate.same_dimension(UNITS[self.unit])
             if same and candidate.factor != 1.0 and low <= abs(value) * candidate.factor <= high:
                 return f"{value:g} {self.unit} is implausible; did you mean {value:g} {symbol}?"
         return None
@@ -242,6 +250,8 @@ Damping = Annotated[float, Quantity("N.s/m")]
 RotationalStiffness = Annotated[float, Quantity("N.m/rad")]
 RotationalDamping = Annotated[float, Quantity("N.m.s/rad")]
 Leakage = Annotated[float, Quantity("m3/(s.Pa)")]
+KinematicViscosity = Annotated[float, Quantity("m2/s", "mm2/s", plausible=(1e-7, 1e-2))]
+Temperature = Annotated[float, Quantity("K", plausible=(100.0, 1000.0))]
 
 
 def quantity_of(annotation: object) -> Quantity | None:

@@ -161,10 +161,12 @@ def _known(definition: fmi.UnitDefinition) -> str | None:
     """The symbol of the unit with the exponents and the factor of an FMU's definition."""
     exponents = {name: n for name, n in definition.exponents.items() if n}
     dimension = tuple(exponents.pop(base, 0) for base in ("kg", "m", "s", "rad"))
+    kelvin = exponents.pop("K", 0)
     if exponents or definition.offset or definition.name in UNITS:
         return definition.name if definition.name in UNITS else None
 
     def same(unit: Unit) -> bool:
-        return unit.dimension == dimension and math.isclose(unit.factor, definition.factor, rel_tol=1e-12)
+        same_dimension = unit.dimension == dimension and unit.kelvin == kelvin
+        return same_dimension and math.isclose(unit.factor, definition.factor, rel_tol=1e-12)
 
     return next((unit.symbol for unit in UNITS.values() if same(unit)), None)

@@ -156,6 +156,8 @@ def _units(variables: Sequence[Variable]) -> list[str]:
     for symbol in sorted(shown):
         unit = UNITS[symbol]
         base = {e: str(n) for e, n in zip(("kg", "m", "s", "rad"), unit.dimension, strict=True) if n}
+        if unit.kelvin:
+            base["K"] = str(unit.kelvin)
         assert base.keys() <= set(EXPONENTS)
         if unit.factor != 1:
             base["factor"] = repr(unit.factor)

@@ -45,8 +45,8 @@ def _shown(name: str, signal: Signal, wanted: str | float | None) -> str:
     if isinstance(wanted, str):
         units.convert(1.0, signal.unit, wanted, name)
         return wanted
-    dimension = units.unit(signal.unit).dimension
+    own = units.unit(signal.unit)
     for candidate in units.UNITS.values():
-        if candidate.factor == wanted and candidate.dimension == dimension:
+        if candidate.factor == wanted and candidate.same_dimension(own):
             return candidate.symbol
     raise UnitError.at(name, f"no unit for a quantity in {signal.unit!r} has this factor to SI", value=wanted)

@@ -37,7 +37,8 @@ def test_every_unit_has_the_factor_of_an_independent_library(symbol):
 @pytest.mark.parametrize("symbol", sorted(UNITS))
 def test_every_unit_has_the_dimension_of_an_independent_library(symbol):
     mass, length, time, angle = UNITS[symbol].dimension
-    assert spelt(symbol).check(f"[mass]**{mass} * [length]**{length} * [time]**{time}")
+    kelvin = UNITS[symbol].kelvin
+    assert spelt(symbol).check(f"[mass]**{mass} * [length]**{length} * [time]**{time} * [temperature]**{kelvin}")
     assert (angle != 0) == any(a in symbol for a in ("rad", "deg", "rev", "rpm"))
 
 

@@ -1,4 +1,4 @@
-"""MkDocs hook: under each component of the library reference, its levels, parameters and ports, from the code."""
+"""MkDocs hook: the library reference, all components of a module with levels, parameters and ports, from the code."""
 
 from __future__ import annotations
 
@@ -9,23 +9,29 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
-from seacrane.model import Component, SignalIn, SignalOut
+from seacrane.model import REGISTRY, Component, SignalIn, SignalOut
 
-DIRECTIVE = re.compile(r"^::: (seacrane\.library\.[\w.]+)\.([A-Z]\w*)$", re.MULTILINE)
+MARKER = re.compile(r"^<!-- components of ([\w.]+) -->$", re.MULTILINE)
 
 
-def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
+def on_page_markdown(markdown: str, **_: Any) -> str:
     """Called by MkDocs for each page."""
-    if page.file.src_uri != "reference/library.md":
-        return markdown
-    return DIRECTIVE.sub(
-        lambda found: f"{found[0]}\n    options:\n      members: false\n\n{described(found[1], found[2])}", markdown
-    )
+    return MARKER.sub(lambda found: "\n\n".join(described(c) for c in components(found[1])), markdown)
 
 
-def described(module: str, name: str) -> str:
-    component = getattr(importlib.import_module(module), name)
-    parts = [ports(component), parameters(component, component.declarations)]
+def components(module: str) -> list[type[Component]]:
+    """The interfaces of a module's public components, in order of definition."""
+    public = vars(importlib.import_module(module))
+    interfaces = [next(c for c in cls.__mro__ if issubclass(c, Component) and c.level is None) for cls in REGISTRY]
+    return [c for c in dict.fromkeys(interfaces) if public.get(c.__name__) is c and not c.__name__.startswith("_")]
+
+
+def described(component: type[Component]) -> str:
+    parts = [
+        f"::: {component.__module__}.{component.__name__}\n    options:\n      members: false",
+        ports(component),
+        parameters(component, component.declarations),
+    ]
     for level, cls in getattr(component, "levels", {}).items():
         own = [key for key in cls.declarations if key not in component.declarations]
         parts += [f"**Level `{level}`.** {inspect.getdoc(cls)}", parameters(cls, own)]
@@ -47,7 +53,10 @@ def parameters(component: type[Component], names: Iterable[str]) -> str:
     for name in names:
         declaration, quantity = component.declarations[name]
         default = fields[name].default
-        shown = "required" if default is dataclasses.MISSING else f"{getattr(default, 'default', default)}"
+        value = getattr(default, "default", default)
+        shown = (
+            "required" if default is dataclasses.MISSING else f"{value:g}" if isinstance(value, float) else f"{value}"
+        )
         if declaration.role in ("shared", "initial"):
             shown += f" ({declaration.role})"
         unit = quantity.unit if quantity else ""

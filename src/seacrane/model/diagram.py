@@ -7,7 +7,7 @@ What the equations say together is checked when it is compiled.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from seacrane.errors import Problem, StructureError, nearest
 from seacrane.units import compatible
@@ -15,6 +15,9 @@ from seacrane.units import compatible
 from .component import Component
 from .dae import Dae
 from .ports import Port, PowerPort, SignalIn, SignalOut
+
+if TYPE_CHECKING:
+    from .bondgraph import SystemBondGraph
 
 
 class PortHandle:
@@ -104,6 +107,12 @@ class Diagram:
         from .compile import compile_diagram
 
         return compile_diagram(self)
+
+    def bond_graph(self) -> SystemBondGraph:
+        """The bond graph of the diagram with its causality; `.svg()` draws it."""
+        from .bondgraph import bond_graph
+
+        return bond_graph(self)
 
     def _strangers(self, ports: tuple[object, ...]) -> Iterator[Problem]:
         for port in ports:

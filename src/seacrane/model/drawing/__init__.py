@@ -1,0 +1,1 @@
+"""Drawings of diagrams as SVG: bond graphs and iconic diagrams."""

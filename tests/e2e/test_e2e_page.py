@@ -19,7 +19,7 @@ NODE = shutil.which("node")
 @pytest.fixture(scope="module")
 def address() -> Iterator[str]:
     """The address that a running demo prints."""
-    command = [sys.executable, "-u", "-m", "seacrane.cli", "demo", "--port", "0"]
+    command = [sys.executable, "-u", "-m", "seacrane.cli", "demo", "--port", "0", "--tcp-port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as demo:
         assert demo.stdout is not None
         printed = ""
@@ -37,12 +37,13 @@ def address() -> Iterator[str]:
             demo.communicate(timeout=30)
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
-@pytest.mark.skipif(NODE is None or not (WEB / "node_modules").is_dir(), reason="needs Node and `npm ci` in web")
 def test_an_operator_drives_plots_and_downloads_in_a_real_browser(address: str) -> None:
-    environment = {**os.environ, "SEACRANE_URL": address, "CHROMIUM": str(CHROMIUM)}
+    assert CHROMIUM, "needs Chromium; `make test` brings it"
+    assert NODE, "needs Node 20"
+    assert (WEB / "node_modules").is_dir(), "needs the page's packages; `make setup` brings them"
+    environment = {**os.environ, "SEACRANE_URL": address, "CHROMIUM": CHROMIUM}
     done = subprocess.run(
-        [str(NODE), "e2e/operate.mjs"],
+        [NODE, "e2e/operate.mjs"],
         check=False,
         cwd=WEB,
         env=environment,

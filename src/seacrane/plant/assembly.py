@@ -4,8 +4,9 @@
     joystick ──► drives           spools
     drives ◄═══► crane            power bonds: force and rod speed, torque and shaft speed
 
-The slaves step in the order ship, joystick, drives, crane: a drive gets the newest motion and the crane the newest
-force, which keeps stiff hydraulics stable at steps that a simultaneous exchange would not survive.
+The slaves step one after the other in the order ship, joystick, drives, crane, each with the newest values of those
+before it. That sequence, more than which comes first, keeps stiff hydraulics stable at steps that a simultaneous
+exchange does not survive (docs/decisions/0004).
 """
 
 from __future__ import annotations
@@ -33,6 +34,10 @@ POSTURE = {"slew": 90 * deg, "luff": 50 * deg, "jib": -70 * deg}
 
 VALVE_DEAD_BAND = 0.05
 """Overlap of the drives' spools, which the joystick control jumps over."""
+
+
+RELEASE_TIME = 0.4
+"""From full command to none when the dead man's switch is let go [s]: a harder stop shakes the load off its rope."""
 
 
 @dataclass(frozen=True)
@@ -117,6 +122,7 @@ def joystick(crane: Crane, rest: Equilibrium) -> FunctionSlave:
         boom_axis=axis,
         jib_axis=axis,
         hoist_axis=axis,
+        release_time=RELEASE_TIME,
     )
     return FunctionSlave(settings, inputs=Joystick.inputs, outputs=Joystick.outputs, state=Joystick.start)
 

@@ -16,6 +16,7 @@ from typing import Any
 import casadi as ca
 
 from seacrane.errors import Problem, nearest
+from seacrane.library import symbols
 from seacrane.model import BondGraph, Component, SignalIn, SignalOut, initial, option, parameter
 from seacrane.model.ports import Port
 from seacrane.numerics.regularise import limit, maximum, piecewise_linear
@@ -74,6 +75,7 @@ class Constant(_Keeping):
 
     value: Ratio = parameter("value", least=-1e12, most=1e12)
     ports = {"y": SignalOut()}
+    icon = symbols.CONSTANT
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield m.y, self.value
@@ -87,6 +89,7 @@ class Sine(_Keeping):
     phase: Angle = parameter("phase at t = 0", default=0.0, least=-10 * pi, most=10 * pi)
     bias: Ratio = parameter("mean value", default=0.0, least=-1e12, most=1e12)
     ports = {"y": SignalOut()}
+    icon = symbols.SINE
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield m.y, self.bias + self.amplitude * ca.sin(2 * pi * m.time / self.period + self.phase)
@@ -103,6 +106,7 @@ class Step(_Keeping):
     at: Time = parameter("time of the step", default=0.0, least=-1e6, most=1e6)
     rise: Time = parameter("duration of the rise", default=1e-3, above=0, most=1e6)
     ports = {"y": SignalOut()}
+    icon = symbols.STEP
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield m.y, self.before + (self.after - self.before) * limit((m.time - self.at) / self.rise, 0.0, 1.0)
@@ -115,6 +119,7 @@ class Ramp(_Keeping):
     start: Ratio = parameter("value before the ramp", default=0.0, least=-1e12, most=1e12)
     at: Time = parameter("time at which it begins", default=0.0, least=-1e6, most=1e6)
     ports = {"y": SignalOut()}
+    icon = symbols.RAMP
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield m.y, self.start + self.slope * maximum(m.time - self.at, 0.0)
@@ -128,6 +133,7 @@ class RecordedInput(_Keeping):
 
     points: Points = option("pairs (time, value), times strictly rising")
     ports = {"y": SignalOut()}
+    icon = symbols.RECORDED
 
     def check(self) -> Iterator[Problem]:
         yield from super().check()
@@ -144,6 +150,7 @@ class Gain(_Changing):
     gain: Ratio = parameter("gain", least=-1e12, most=1e12)
     bias: Ratio = parameter("output at u = 0", default=0.0, least=-1e12, most=1e12)
     ports = {"u": SignalIn(), "y": SignalOut()}
+    icon = symbols.GAIN
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield m.y, self.gain * m.u + self.bias
@@ -154,6 +161,7 @@ class Sum(_Keeping):
 
     signs: str = option("one sign for each input", default="++")
     ports = {"u1": SignalIn(), "u2": SignalIn(), "y": SignalOut()}
+    icon = symbols.SUM
 
     def check(self) -> Iterator[Problem]:
         yield from super().check()
@@ -174,6 +182,7 @@ class Table(_Changing):
 
     points: Points = option("pairs (u, y), u strictly rising")
     ports = {"u": SignalIn(), "y": SignalOut()}
+    icon = symbols.TABLE
 
     def check(self) -> Iterator[Problem]:
         yield from super().check()
@@ -207,6 +216,7 @@ class Saturation(_Keeping):
     low: Ratio = parameter("lower limit", least=-1e12, most=1e12)
     high: Ratio = parameter("upper limit", least=-1e12, most=1e12)
     ports = {"u": SignalIn(), "y": SignalOut()}
+    icon = symbols.SATURATION
 
     def check(self) -> Iterator[Problem]:
         yield from super().check()
@@ -221,6 +231,7 @@ class DeadBand(_Keeping):
 
     width: Ratio = parameter("half width of the dead band", least=0, most=1e12)
     ports = {"u": SignalIn(), "y": SignalOut()}
+    icon = symbols.DEAD_BAND
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield m.y, m.u - limit(m.u, -self.width, self.width)
@@ -236,6 +247,7 @@ class RateLimit(_Keeping):
     lag: Time = parameter("time constant of the approach", default=0.01, above=0, most=1e3)
     start: Ratio = initial("output at the start", least=-1e12, most=1e12)
     ports = {"u": SignalIn(), "y": SignalOut()}
+    icon = symbols.RATE_LIMIT
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         y = m.state("output", unit=self.unit, start=self.start, about="rate-limited signal")
@@ -255,6 +267,7 @@ class FirstOrderLag(_Keeping):
     time_constant: Time = parameter("time constant", above=0, most=1e6)
     start: Ratio = initial("output at the start", least=-1e12, most=1e12)
     ports = {"u": SignalIn(), "y": SignalOut()}
+    icon = symbols.FIRST_ORDER_LAG
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         y = m.state("output", unit=self.unit, start=self.start, about="lagged signal")
@@ -269,6 +282,7 @@ class SecondOrderLag(_Keeping):
     damping: Ratio = parameter("damping ratio zeta", least=0, most=100)
     start: Ratio = initial("output at the start", least=-1e12, most=1e12)
     ports = {"u": SignalIn(), "y": SignalOut()}
+    icon = symbols.SECOND_ORDER_LAG
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         w = self.natural_frequency
@@ -298,6 +312,7 @@ class PID(_Changing):
     high: Ratio = parameter("highest output", least=-1e12, most=1e12)
     integral: Ratio = initial("integral at the start", least=-1e12, most=1e12)
     ports = {"reference": SignalIn(), "measured": SignalIn(), "u": SignalOut()}
+    icon = symbols.CONTROLLER
     sources = ("K. J. Astrom and T. Hagglund, Advanced PID Control, 2006, chapter 3",)
 
     def check(self) -> Iterator[Problem]:

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import casadi as ca
 
 from seacrane.errors import Problem
+from seacrane.library import symbols
 from seacrane.model import BondGraph, Component, Hydraulic, Translational, initial, parameter
 from seacrane.numerics.regularise import limit, maximum, smooth_sign
 from seacrane.units import (
@@ -64,6 +65,7 @@ class DoubleActingCylinder(Component):
         "piston_side: TF, rod_side: TF, piston: 1",
         "a -> piston_side, piston_side -> piston, piston -> rod_side, rod_side -> b, piston -> rod",
     )
+    icon = symbols.DOUBLE_ACTING_CYLINDER
     sources: ClassVar[tuple[str, ...]] = (f"{MERRITT}, chapter 6", DISSERTATION)
 
     def check(self) -> Iterator[Problem]:

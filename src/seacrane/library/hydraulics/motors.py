@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from seacrane.library import symbols
 from seacrane.model import BondGraph, Component, Hydraulic, Rotational, parameter
 from seacrane.numerics.regularise import smooth_sign
 from seacrane.units import AngularSpeed, Displacement, Leakage, Ratio, RotationalDamping, Torque
@@ -38,6 +39,7 @@ class HydraulicMotor(Component):
         "a -> through, through -> b, through -> drop, drop ->| leakage, drop -> displacement, displacement -> speed,"
         "speed |-> friction, speed -> shaft",
     )
+    icon = symbols.MOTOR
     sources = (f"{MERRITT}, chapter 4", DISSERTATION)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from math import pi
 from typing import Any
 
+from seacrane.library import symbols
 from seacrane.model import BondGraph, Component, Hydraulic, SignalIn, parameter
 from seacrane.numerics.regularise import limit
 from seacrane.units import Density, Diameter, Pressure, Ratio
@@ -30,6 +31,7 @@ class Orifice(Component):
     transition_pressure: Pressure = transition_pressure()
     ports = {"a": Hydraulic("inlet"), "b": Hydraulic("outlet")}
     bond_graph = BondGraph("through: 1, edge: R", "a -> through, through -> b, through ->| edge")
+    icon = symbols.ORIFICE
     sources = _SOURCES
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
@@ -49,6 +51,7 @@ class VariableOrifice(Component):
     transition_pressure: Pressure = transition_pressure()
     ports = {"k": SignalIn("1", "opening", minimum=0, maximum=1), "a": Hydraulic("inlet"), "b": Hydraulic("outlet")}
     bond_graph = BondGraph("through: 1, edge: MR", "a -> through, through -> b, through ->| edge")
+    icon = symbols.VARIABLE_ORIFICE
     sources = _SOURCES
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:

@@ -88,7 +88,9 @@ def bench(component: Component) -> Bench:
         except StructureError as error:
             failures.append(str(error))
             continue
-        assert not dae.algebraics, f"the law of {type(component).__name__} is not explicit"
+        if dae.algebraics:
+            failures.append(f"the law of {type(component).__name__} is not explicit")
+            continue
         results = ca.vertcat(dae.ode, dae.out, dae.obs)
         slopes = ca.jacobian(results, ca.vertcat(dae.x, dae.u))
         outputs = [dae.out, dae.obs, dae.ode, results, ca.densify(slopes)]
@@ -142,7 +144,8 @@ def test_power_in_is_stored_lost_or_passed_on(cls):
             continue
         stored, lost, supplied = accounts
         powers = power_into(alone.ports, values)
-        scale = sum(map(abs, [*powers, *accounts]))
+        within = [values[v.name] for v in alone.dae.observables if v.unit == "W"]  # parts that pass power to each other
+        scale = sum(map(abs, [*powers, *accounts, *within]))
         assert sum(powers) - (stored + lost - supplied) == pytest.approx(0.0, abs=1e-9 * scale + 1e-300)
         assert lost >= -1e-9 * scale
 

@@ -5,21 +5,36 @@ do not model cavitation; where a line may be sucked empty (an overrunning load),
 to it, as a real circuit has.
 
 Volume flow is counted at port pressure, so that pressure times flow is the power through a port. The oil is one for a
-whole diagram: `density`, `bulk_modulus` and `transition_pressure` are shared, as in `Diagram("drive", density=860.0)`.
+whole diagram: `density`, `bulk_modulus`, `viscosity` and `transition_pressure` are shared, as in
+`Diagram("drive", density=860.0)`.
 """
 
+from .accumulators import GasAccumulator
 from .cylinders import DoubleActingCylinder
+from .directional import DirectionalValve22, DirectionalValve43, FourPortDirectionalValve22
+from .flow_control import Filter, FlowDivider, PressureCompensator, ShuttleValve
 from .motors import HydraulicMotor
 from .orifices import Orifice, VariableOrifice
-from .sources import ConstantFlowPump, ConstantPressurePump, FlowInput, Plug, PressureInput, Tank
+from .pipes import Hose, Pipe
+from .pumps import (
+    ConstantFlowPump,
+    ConstantPressurePump,
+    LoadSensingPump,
+    PressureControlledPump,
+    Pump,
+    ShaftPump,
+    VariableFlowPump,
+)
+from .sources import FlowInput, Plug, PressureInput, Tank
 from .valves import (
     AnticavitationValve,
     CheckValve,
     CounterbalanceValve,
-    DirectionalValve43,
+    PilotOperatedCheckValve,
+    PressureReducingValve,
     ReliefValve,
 )
-from .volumes import ControlVolume
+from .volumes import ControlVolume, EntrainedAirVolume, FluidColumn, Volume
 
 __all__ = [
     "AnticavitationValve",
@@ -28,14 +43,33 @@ __all__ = [
     "ConstantPressurePump",
     "ControlVolume",
     "CounterbalanceValve",
+    "DirectionalValve22",
     "DirectionalValve43",
     "DoubleActingCylinder",
+    "EntrainedAirVolume",
+    "Filter",
+    "FlowDivider",
     "FlowInput",
+    "FluidColumn",
+    "FourPortDirectionalValve22",
+    "GasAccumulator",
+    "Hose",
     "HydraulicMotor",
+    "LoadSensingPump",
     "Orifice",
+    "PilotOperatedCheckValve",
+    "Pipe",
     "Plug",
+    "PressureCompensator",
+    "PressureControlledPump",
     "PressureInput",
+    "PressureReducingValve",
+    "Pump",
     "ReliefValve",
+    "ShaftPump",
+    "ShuttleValve",
     "Tank",
+    "VariableFlowPump",
     "VariableOrifice",
+    "Volume",
 ]

@@ -15,6 +15,9 @@ from seacrane.units import bar
 MERRITT = "H. E. Merritt, Hydraulic Control Systems, 1967"
 DISSERTATION = "Virtual Prototyping for Marine Crane Design and Operations, 2018, section 4.2.2 and appendix A"
 
+ATMOSPHERE = 1.01325 * bar
+"""What gauge pressures count from [Pa]; gas laws need the absolute pressure."""
+
 
 def density() -> Any:
     """Shared density of the oil [kg/m3]: 870, a mineral oil at working temperature."""
@@ -29,6 +32,11 @@ def bulk_modulus() -> Any:
 def transition_pressure() -> Any:
     """Shared pressure drop [Pa] below which orifice flow turns laminar: 0.1 bar."""
     return shared("pressure drop at which orifice flow turns laminar", default=0.1 * bar, above=0)
+
+
+def viscosity() -> Any:
+    """Shared kinematic viscosity [m2/s]: 46 mm2/s, an ISO VG 46 oil at 40 degrees Celsius (ISO 3448)."""
+    return shared("kinematic viscosity of the oil", default=46e-6, above=0)
 
 
 def orifice_flow(dp: Any, area: Any, discharge: Any, density: Any, transition: Any) -> Any:

@@ -1,47 +1,15 @@
-"""Where oil comes from and goes to: pumps, the tank, a plug, and boundaries given by a signal."""
+"""Where oil comes from and goes to: the tank, a plug, and boundaries given by a signal."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import Any
 
+from seacrane.library import symbols
 from seacrane.model import BondGraph, Component, Hydraulic, SignalIn, SignalOut, parameter
-from seacrane.units import AngularSpeed, Displacement, Pressure
+from seacrane.units import Pressure
 
 from .fluid import DISSERTATION
-
-
-class ConstantPressurePump(Component):
-    """A supply that holds its pressure whatever flow is drawn: p = pressure.
-
-    Stands for a pressure-controlled pump with enough flow. Gives p, is given q.
-    """
-
-    pressure: Pressure = parameter("supply pressure (gauge)", least=0, most=1e8)
-    ports = {"p": Hydraulic("outlet")}
-    bond_graph = BondGraph("supply: Se", "supply ->| p")
-    sources = (DISSERTATION,)
-
-    def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
-        yield m.p.p, self.pressure
-        m.supplies(-m.p.power)
-
-
-class ConstantFlowPump(Component):
-    """A fixed-displacement pump at constant speed: q_out = D w, whatever the pressure.
-
-    D [m3/rad], w [rad/s]. Without a relief valve the pressure has no bound. Gives q, is given p.
-    """
-
-    displacement: Displacement = parameter("displacement", above=0, most=1e-2)
-    speed: AngularSpeed = parameter("shaft speed", least=0, most=1e3)
-    ports = {"p": Hydraulic("outlet")}
-    bond_graph = BondGraph("supply: Sf", "supply |-> p")
-    sources = (DISSERTATION,)
-
-    def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
-        yield m.p.q, -self.displacement * self.speed
-        m.supplies(-m.p.power)
 
 
 class Tank(Component):
@@ -50,6 +18,7 @@ class Tank(Component):
     pressure: Pressure = parameter("pressure in the tank (gauge)", default=0.0, least=-1e5, most=1e7)
     ports = {"p": Hydraulic("return")}
     bond_graph = BondGraph("tank: Se", "tank ->| p")
+    icon = symbols.TANK
     sources = (DISSERTATION,)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
@@ -62,6 +31,7 @@ class Plug(Component):
 
     ports = {"a": Hydraulic("plugged port")}
     bond_graph = BondGraph("closed: Sf", "closed |-> a")
+    icon = symbols.PLUG
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield m.a.q, 0
@@ -72,6 +42,7 @@ class PressureInput(Component):
 
     ports = {"set": SignalIn("Pa", "pressure"), "p": Hydraulic("outlet"), "q": SignalOut("m3/s", "flow delivered")}
     bond_graph = BondGraph("source: MSe", "source ->| p")
+    icon = symbols.PRESSURE_SOURCE
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield m.p.p, m.set
@@ -84,6 +55,7 @@ class FlowInput(Component):
 
     ports = {"set": SignalIn("m3/s", "flow into the circuit"), "p": Hydraulic("outlet")}
     bond_graph = BondGraph("source: MSf", "source |-> p")
+    icon = symbols.FLOW_SOURCE
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield m.p.q, -m.set

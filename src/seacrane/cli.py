@@ -37,7 +37,12 @@ def _parser() -> argparse.ArgumentParser:
     demo = commands.add_parser("demo", help="drive the 100 t knuckle boom crane in the browser, or headless")
     demo.add_argument("--crane", default="offshore-100t", help="name of a shipped crane, or a design file (JSON)")
     demo.add_argument("--load", type=float, default=40.0, metavar="T", help="load on the hook [t] (default 40)")
-    demo.add_argument("--sea", choices=("swell", "jonswap", "calm"), default="swell", help="the sea that is drawn, and what the ship follows")
+    demo.add_argument(
+        "--sea",
+        choices=("swell", "jonswap", "calm"),
+        default="swell",
+        help="the sea that is drawn, and what the ship follows",
+    )
     demo.add_argument("--hs", type=float, default=2.0, metavar="M", help="significant wave height [m] (default 2)")
     demo.add_argument("--tp", type=float, default=9.0, metavar="S", help="peak period [s] (default 9)")
     demo.add_argument("--step", type=float, default=2.0, metavar="MS", help="macro step [ms] (default 2)")

@@ -53,8 +53,20 @@ PUMP_FIXED = Symbol(40, 40, _CIRCLE + _UP, {"p": (20, 0)})
 PUMP_CONSTANT_PRESSURE = Symbol(40, 40, _CIRCLE + _UP + _ADJUSTABLE, {"p": (20, 0)})
 PRESSURE_SOURCE = Symbol(40, 40, _CIRCLE + _UP + _word(20, 29, "p"), {"p": (20, 0)})
 FLOW_SOURCE = Symbol(40, 40, _CIRCLE + _UP + _word(20, 29, "q"), {"p": (20, 0)})
-TANK = Symbol(40, 20, _path("M4 6 V18 H36 V6 M20 0 V12"), {"p": (20, 0)}, repeated=True)
+TANK = Symbol(40, 20, _path("M7 6 V18 H33 V6 M20 0 V12"), {"p": (20, 0)}, repeated=True)
 PLUG = Symbol(20, 20, _path("M10 0 V10 M4 10 H16"), {"a": (10, 0)})
+
+PUMP_PRESSURE_CONTROLLED = Symbol(40, 40, _CIRCLE + _UP + _ADJUSTABLE + _word(20, 30, "p", 9), {"p": (20, 0)})
+PUMP_VARIABLE = Symbol(40, 40, _CIRCLE + _UP + _ADJUSTABLE, {"p": (20, 0), "gain": (0, 20)})
+PUMP_LOAD_SENSING = Symbol(
+    50, 40, _CIRCLE + _UP + _ADJUSTABLE + _path("M50 30 H33", _DASHED), {"p": (20, 0), "ls": (50, 30)}
+)
+PUMP_SHAFT = Symbol(
+    50,
+    40,
+    _CIRCLE + _UP + _ADJUSTABLE + _path("M20 36 V40 M36 18 H50 M36 22 H50"),
+    {"p": (20, 0), "s": (20, 40), "shaft": (50, 20)},
+)
 
 # ---------------------------------------------------------------- hydraulics: lines
 _EDGE = _path("M0 20 H40 M10 10 Q20 18 30 10 M10 30 Q20 22 30 30")
@@ -62,6 +74,29 @@ _ENDS = {"a": (0.0, 20.0), "b": (40.0, 20.0)}
 ORIFICE = Symbol(40, 40, _EDGE, _ENDS)
 VARIABLE_ORIFICE = Symbol(40, 40, _EDGE + _arrow(10, 38, 32, 4), {**_ENDS, "k": (20, 0)})
 VOLUME = Symbol(40, 30, _path("M20 24 V30") + _box(2, 4, 36, 20, 'rx="10"'), {"a": (20, 30)})
+PIPE = Symbol(60, 40, _path("M0 20 H60 M12 14 H48 M12 26 H48"), {"a": (0, 20), "b": (60, 20)})
+HOSE = Symbol(60, 40, _path("M0 20 H6 Q30 44 54 20 H60") + _circle(6, 20, 2) + _circle(54, 20, 2), PIPE.ports)
+COLUMN = Symbol(40, 40, _path("M10 4 V34 H30 V4 M10 12 H30 M20 34 V40"), {"a": (20, 40)})
+OPEN_TANK = Symbol(40, 30, _path("M4 6 V24 H36 V6 M20 24 V30"), {"a": (20, 30)})
+ACCUMULATOR = Symbol(
+    40,
+    50,
+    _box(10, 2, 20, 40, 'rx="10"') + _path("M10 22 H30 M20 42 V50") + _path("M16 10 H24 L20 17 Z"),
+    {"a": (20, 50)},
+)
+FILTER = Symbol(40, 40, _path("M0 20 H4 M36 20 H40 M20 4 L36 20 L20 36 L4 20 Z") + _path("M20 4 V36", _DASHED), _ENDS)
+FLOW_DIVIDER = Symbol(
+    60,
+    40,
+    _circle(18, 20, 12) + _circle(42, 20, 12) + _path("M30 18 V22 M18 0 V8 M42 0 V8 M18 32 V36 H42 V32 M30 36 V40"),
+    {"a": (30, 40), "b": (18, 0), "c": (42, 0)},
+)
+SHUTTLE_VALVE = Symbol(
+    60,
+    40,
+    _box(10, 10, 40, 20) + _circle(20, 20, 5) + _path("M0 20 H15 M45 15 L50 20 L45 25 M50 20 H60 M30 10 V0"),
+    {"a": (0, 20), "b": (60, 20), "c": (30, 0)},
+)
 
 # ---------------------------------------------------------------- hydraulics: valves
 _CHECK = (
@@ -78,6 +113,19 @@ _RELIEF = (
     + _arrow(45, 35, 53, 15)
 )
 RELIEF_VALVE = Symbol(60, 50, _RELIEF, {"a": (20, 0), "b": (20, 50)})
+_INLET = _box(10, 10, 30, 30) + _path("M25 0 V10 M25 40 V50") + _spring(40, 25, 18)
+PRESSURE_REDUCING_VALVE = Symbol(
+    60, 50, _INLET + _arrow(25, 10, 25, 40) + _path("M25 45 H4 V25 H10", _DASHED), {"a": (25, 0), "b": (25, 50)}
+)
+PRESSURE_COMPENSATOR = Symbol(
+    60,
+    50,
+    _INLET + _arrow(25, 10, 25, 40) + _path("M0 20 H10 M60 40 H46 V36 H40", _DASHED),
+    {"a": (25, 0), "b": (25, 50), "s": (0, 20), "ls": (60, 40)},
+)
+PILOT_OPERATED_CHECK_VALVE = Symbol(
+    40, 40, _CHECK + _path("M0 30 H15", _DASHED), {"a": (20, 40), "b": (20, 0), "pilot": (0, 30)}
+)
 _COUNTERBALANCE = (
     _box(2, 4, 106, 52, 'stroke-dasharray="8 3 2 3"')
     + _box(20, 16, 28, 28)
@@ -111,9 +159,37 @@ _DIRECTIONAL = (
     + _spring(0, 25, 20)
     + _spring(180, 25, 20)
     + _path("M40 1 H160 M40 49 H160", 'stroke-width="0.8"')
+    + _word(84, -2, "A", 8)
+    + _word(116, -2, "B", 8)
+    + _word(84, 58, "P", 8)
+    + _word(116, 58, "T", 8)
 )
 DIRECTIONAL_VALVE_43 = Symbol(
     200, 50, _DIRECTIONAL, {"a": (90, 0), "b": (110, 0), "p": (90, 50), "t": (110, 50), "x": (0, 20)}
+)
+
+_TWO_WAY = (
+    _box(20, 5, 80, 40)
+    + _path("M60 5 V45 M50 0 V5 M50 45 V50")
+    + _path("M50 5 V13 M46 13 H54 M50 45 V37 M46 37 H54")
+    + _arrow(80, 45, 80, 5)
+    + _box(0, 15, 20, 20)
+    + _path("M4 35 L16 15")
+    + _spring(100, 25, 20)
+)
+DIRECTIONAL_VALVE_22 = Symbol(120, 50, _TWO_WAY, {"a": (50, 0), "p": (50, 50), "on": (0, 20)})
+_FOUR_WAY = (
+    _box(20, 5, 80, 40)
+    + _path("M60 5 V45 M30 0 V5 M50 0 V5 M30 45 V50 M50 45 V50")
+    + _path("M30 5 V13 M26 13 H34 M50 5 V13 M46 13 H54 M30 45 V37 M26 37 H34 M50 45 V37 M46 37 H54")
+    + _arrow(70, 45, 70, 5)
+    + _arrow(90, 5, 90, 45)
+    + _box(0, 15, 20, 20)
+    + _path("M4 35 L16 15")
+    + _spring(100, 25, 20)
+)
+FOUR_PORT_DIRECTIONAL_VALVE_22 = Symbol(
+    120, 50, _FOUR_WAY, {"a": (30, 0), "b": (50, 0), "p": (30, 50), "t": (50, 50), "on": (0, 20)}
 )
 
 # ---------------------------------------------------------------- hydraulics: actuators
@@ -128,6 +204,14 @@ _MOTOR = _circle(20, 20, 16) + _path("M20 0 V4 M20 36 V40 M36 18 H50 M36 22 H50"
 MOTOR = Symbol(
     50, 40, _MOTOR + _DOWN + _path("M20 26 L14 36 L26 36 Z", _FILLED), {"a": (20, 0), "b": (20, 40), "shaft": (50, 20)}
 )
+VARIABLE_MOTOR = Symbol(50, 40, MOTOR.svg + _ADJUSTABLE, {**MOTOR.ports, "r": (0, 20)})
+_PLUNGER = (
+    _box(0, 4, 110, 32)
+    + _path("M10 36 V50 M100 36 V42")
+    + _box(36, 4, 8, 32, 'fill="currentColor" fill-opacity="0.15"')
+    + _path("M44 17 H140 M44 23 H140 M140 14 V26")
+)
+SINGLE_ACTING_CYLINDER = Symbol(140, 50, _PLUNGER, {"a": (10, 50), "rod": (140, 20)})
 
 # ---------------------------------------------------------------- mechanics
 _GROUND = "M{0} {1} h24 m-20 0 l-5 6 m11 -6 l-5 6 m11 -6 l-5 6 m11 -6 l-5 6"
@@ -140,6 +224,17 @@ _DASHPOT = _path("M10 30 H28 M28 25 V35 M22 23 H36 V37 H22 M36 30 H50")
 SPRING_DAMPER = Symbol(60, 40, _PARALLEL + _DASHPOT, {"a": (0, 20), "b": (60, 20)})
 TORSIONAL_SPRING_DAMPER = Symbol(
     60, 40, _PARALLEL + _DASHPOT + _path("M24 2 a14 6 0 0 1 14 0 l-1 -4 m1 4 l-5 1"), {"a": (0, 20), "b": (60, 20)}
+)
+_ENDS_60 = {"a": (0.0, 20.0), "b": (60.0, 20.0)}
+ROPE_SPRING = Symbol(60, 40, _path("M0 20 Q6 26 12 20") + _spring(12, 20, 36) + _path("M48 20 Q54 26 60 20"), _ENDS_60)
+END_STOP = Symbol(
+    60, 40, _path("M0 20 H20 M20 8 V32 M28 8 V32") + _spring(28, 20, 22) + _path("M50 8 V32 M50 20 H60"), _ENDS_60
+)
+ELECTRIC_MOTOR = Symbol(
+    50,
+    40,
+    _circle(20, 20, 16) + _word(20, 19, "M") + _word(20, 31, "3~", 10) + _path("M36 18 H50 M36 22 H50"),
+    {"shaft": (50, 20)},
 )
 FRICTION = Symbol(
     40, 40, _path("M0 18 H34 M0 22 H34 M8 12 H30 M8 28 H30") + _path(_GROUND.format(8, 29)), {"flange": (0, 20)}
@@ -160,16 +255,17 @@ WINCH_DRUM = Symbol(
 )
 
 
-def _boundary(letter: str) -> str:
-    """What a partner imposes, at the rim of the drive."""
-    return _box(10, 2, 44, 36, 'rx="6"') + _word(32, 25, letter, 14) + _path("M0 20 H10") + _path("M4 15 L10 20 L4 25")
+def _boundary(letter: str, *signals: str) -> Symbol:
+    """What a partner imposes, at the rim of the drive; its signals come and go on the far side."""
+    svg = _box(10, 2, 50, 46, 'rx="6"') + _word(32, 26, letter, 14) + _path("M0 20 H10 M4 15 L10 20 L4 25")
+    ports = {name: (60.0, 10.0 * (i + 1)) for i, name in enumerate(signals)}
+    return Symbol(60, 50, svg, {"flange": (0, 20), **ports})
 
 
-_FLANGE = {"flange": (0.0, 20.0)}
-MOTION_INPUT = Symbol(60, 40, _boundary("v"), _FLANGE)
-SPEED_INPUT = Symbol(60, 40, _boundary("ω"), _FLANGE)
-FORCE_INPUT = Symbol(60, 40, _boundary("F"), _FLANGE)
-TORQUE_INPUT = Symbol(60, 40, _boundary("T"), _FLANGE)
+MOTION_INPUT = _boundary("v", "v", "x", "F", "work")
+SPEED_INPUT = _boundary("ω", "w", "T", "work")
+FORCE_INPUT = _boundary("F", "F", "v", "x", "work")
+TORQUE_INPUT = _boundary("T", "T", "w", "work")
 
 
 # ---------------------------------------------------------------- signals

@@ -10,10 +10,10 @@ whole diagram: `density`, `bulk_modulus`, `viscosity` and `transition_pressure` 
 """
 
 from .accumulators import GasAccumulator
-from .cylinders import DoubleActingCylinder
+from .cylinders import DoubleActingCylinder, SingleActingCylinder
 from .directional import DirectionalValve22, DirectionalValve43, FourPortDirectionalValve22
 from .flow_control import Filter, FlowDivider, PressureCompensator, ShuttleValve
-from .motors import HydraulicMotor
+from .motors import HydraulicMotor, VariableHydraulicMotor
 from .orifices import Orifice, VariableOrifice
 from .pipes import Hose, Pipe
 from .pumps import (
@@ -68,8 +68,10 @@ __all__ = [
     "ReliefValve",
     "ShaftPump",
     "ShuttleValve",
+    "SingleActingCylinder",
     "Tank",
     "VariableFlowPump",
+    "VariableHydraulicMotor",
     "VariableOrifice",
     "Volume",
 ]

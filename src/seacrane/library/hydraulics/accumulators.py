@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from seacrane.errors import Problem
+from seacrane.library import symbols
 from seacrane.model import BondGraph, Component, Hydraulic, initial, parameter
 from seacrane.numerics.regularise import limit, maximum, minimum
 from seacrane.units import Pressure, Ratio, Temperature, Time, Volume, l
@@ -54,6 +55,7 @@ class GasAccumulator(Component):
     oil: Volume = initial("oil in it at the start", least=0, most=1e2)
     ports = {"a": Hydraulic("oil in")}
     bond_graph = BondGraph("gas: C", "a |-> gas")
+    icon = symbols.ACCUMULATOR
 
     def check(self) -> Iterator[Problem]:
         most = (1 - SQUEEZED) * self.volume

@@ -212,6 +212,7 @@ class DirectionalValve22(_Switched):
         "a": Hydraulic("outlet"),
     }
     bond_graph = BondGraph("through: 1, edge: MR", "p -> through, through -> a, through ->| edge")
+    icon = symbols.DIRECTIONAL_VALVE_22
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         k = yield from self.spool(m)
@@ -241,6 +242,7 @@ class FourPortDirectionalValve22(_Switched):
         "pa: 1, bt: 1, edge_pa: MR, edge_bt: MR",
         "p -> pa, pa -> a, pa ->| edge_pa, b -> bt, bt -> t, bt ->| edge_bt",
     )
+    icon = symbols.FOUR_PORT_DIRECTIONAL_VALVE_22
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         k = yield from self.spool(m)

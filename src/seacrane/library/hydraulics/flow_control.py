@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from seacrane.errors import Problem
+from seacrane.library import symbols
 from seacrane.model import BondGraph, Component, Hydraulic, parameter
 from seacrane.numerics.regularise import smooth_limit, smooth_sign
 from seacrane.units import FlowRate, KinematicViscosity, Pressure, Ratio, bar
@@ -47,6 +48,7 @@ class PressureCompensator(Component):
         "through: 1, edge: MR, sensing_s: Sf, sensing_ls: Sf",
         "a -> through, through -> b, through ->| edge, s ->| sensing_s, ls ->| sensing_ls",
     )
+    icon = symbols.PRESSURE_COMPENSATOR
     sources = (DISSERTATION,)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
@@ -81,6 +83,7 @@ class FlowDivider(Component):
         "a -> through, through |-> friction, through -> inlet, inlet -> shaft, shaft -> section_b, shaft -> section_c,"
         "section_b -> b, section_c -> c",
     )
+    icon = symbols.FLOW_DIVIDER
     sources = (f"{MERRITT}, chapter 4 (gear machines)",)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
@@ -114,6 +117,7 @@ class Filter(Component):
         "through: 1, drop: 0, element: R, bypass: R",
         "a -> through, through -> b, through -> drop, drop ->| element, drop ->| bypass",
     )
+    icon = symbols.FILTER
     sources = ("ISO 3968:2017 (pressure drop of filters over flow)",)
 
     def check(self) -> Iterator[Problem]:
@@ -149,6 +153,7 @@ class ShuttleValve(Component):
         "from_a: 1, from_b: 1, seat_a: MR, seat_b: MR, out: 0",
         "a -> from_a, from_a ->| seat_a, from_a -> out, b -> from_b, from_b ->| seat_b, from_b -> out, out -> c",
     )
+    icon = symbols.SHUTTLE_VALVE
     sources = ("J. Watton, Fundamentals of Fluid Power Control, 2009",)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:

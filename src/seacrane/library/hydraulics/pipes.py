@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import casadi as ca
 
 from seacrane.errors import Problem
+from seacrane.library import symbols
 from seacrane.model import BondGraph, Component, Hydraulic, initial, option, parameter
 from seacrane.numerics.regularise import limit, maximum
 from seacrane.units import Area, Density, Diameter, FlowRate, KinematicViscosity, Length, Pressure, Ratio, mm
@@ -61,6 +62,7 @@ class Pipe(Component):
     length: Length = parameter("length of the pipe", above=0, most=1e4)
     diameter: Diameter = parameter("inner diameter", above=0, most=1)
     ports = {"a": Hydraulic("one end"), "b": Hydraulic("other end")}
+    icon = symbols.PIPE
     sources: ClassVar[tuple[str, ...]] = (WHITE, f"{MERRITT}, chapter 3", DISSERTATION)
 
     @property
@@ -180,6 +182,7 @@ class Hose(Component):
     pressure: Pressure = initial("pressure at the start (gauge)", least=-1e5, most=1e8)
     ports = {"a": Hydraulic("one end"), "b": Hydraulic("other end")}
     bond_graph = LinePipe.bond_graph
+    icon = symbols.HOSE
     sources = (f"{MERRITT}, chapter 2", WHITE, HAALAND)
 
     def check(self) -> Iterator[Problem]:

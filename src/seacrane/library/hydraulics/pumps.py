@@ -88,6 +88,7 @@ class PressureControlledPump(Pump, level="pressure-controlled"):
     pressure: Pressure = parameter("pressure (gauge) at which the flow has gone", above=0, most=1e8)
     full_stroke: Pressure = parameter("how far below it the stroke is full", default=10 * bar, above=0, most=1e8)
     bond_graph = BondGraph("supply: R", "p |-> supply")
+    icon = symbols.PUMP_PRESSURE_CONTROLLED
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         k = smooth_limit((self.pressure - m.p.p) / self.full_stroke, 0.0, 1.0, ROUNDING)
@@ -107,6 +108,7 @@ class VariableFlowPump(Pump, level="variable-flow"):
     least_stroke: Ratio = parameter("least stroke, of full", default=0.0, least=-1, most=0)
     ports = {"gain": SignalIn("1", "stroke, of full", minimum=-1, maximum=1), "p": Hydraulic("outlet")}
     bond_graph = BondGraph("supply: MSf", "supply |-> p")
+    icon = symbols.PUMP_VARIABLE
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield m.p.q, -limit(m.gain, self.least_stroke, 1.0) * self.displacement * self.speed
@@ -135,6 +137,7 @@ class LoadSensingPump(Component):
     )
     ports = {"p": Hydraulic("outlet"), "ls": Hydraulic("pressure of the load")}
     bond_graph = BondGraph("supply: R, sensing: Sf", "p |-> supply, ls ->| sensing")
+    icon = symbols.PUMP_LOAD_SENSING
     sources = ("J. Watton, Fundamentals of Fluid Power Control, 2009",)
 
     def stroke(self, m: Any) -> Any:
@@ -196,6 +199,7 @@ class ShaftPump(Component):
         "shaft -> speed, speed |-> friction, speed -> displacement, displacement -> drop, drop ->| leakage,"
         "drop -> through, s -> through, through -> p",
     )
+    icon = symbols.PUMP_SHAFT
     sources = (f"{MERRITT}, chapter 4",)
 
     def check(self) -> Iterator[Problem]:

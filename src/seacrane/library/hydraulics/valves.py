@@ -158,6 +158,7 @@ class PressureReducingValve(Component):
     transition_pressure: Pressure = transition_pressure()
     ports = {"a": Hydraulic("inlet"), "b": Hydraulic("reduced pressure")}
     bond_graph = BondGraph("through: 1, seat: MR", "a -> through, through -> b, through ->| seat")
+    icon = symbols.PRESSURE_REDUCING_VALVE
     sources = ("J. Watton, Fundamentals of Fluid Power Control, 2009",)
 
     def check(self) -> Iterator[Problem]:
@@ -240,6 +241,7 @@ class PilotOperatedCheckValve(Component):
     bond_graph = BondGraph(
         "through: 1, seat: MR, pilot_piston: Sf", "a -> through, through -> b, through ->| seat, pilot ->| pilot_piston"
     )
+    icon = symbols.PILOT_OPERATED_CHECK_VALVE
     sources = ("J. Watton, Fundamentals of Fluid Power Control, 2009",)
 
     def check(self) -> Iterator[Problem]:

@@ -79,6 +79,7 @@ class EntrainedAirVolume(Volume, level="entrained-air"):
     bulk_modulus: Pressure = bulk_modulus()
     pressure: Pressure = initial("pressure at the start (gauge)", least=-1e5, most=1e8)
     bond_graph = BondGraph("oil: C", "a |-> oil")
+    icon = symbols.VOLUME
     sources = (*Volume.sources, GHOLIZADEH)
 
     def effective_modulus(self, p: Any) -> Any:
@@ -109,6 +110,7 @@ class FluidColumn(Volume, level="fluid-column"):
     height: Length = initial("height of the column at the start", least=0, most=1e3)
     density: Density = density()
     bond_graph = BondGraph("column: C", "a |-> column")
+    icon = symbols.COLUMN
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         h = m.state("height", unit="m", start=self.height, about="height of the column")
@@ -122,6 +124,7 @@ class OpenTankVolume(Volume, level="open-tank"):
 
     pressure: Pressure = parameter("pressure in the tank (gauge)", default=0.0, least=-1e5, most=1e7)
     bond_graph = BondGraph("tank: Se", "tank ->| a")
+    icon = symbols.OPEN_TANK
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield m.a.p, self.pressure

@@ -7,6 +7,7 @@ from math import pi
 from typing import Any
 
 from seacrane.errors import Problem
+from seacrane.library import symbols
 from seacrane.model import BondGraph, Component, Rotational, initial, parameter
 from seacrane.units import AngularSpeed, Frequency, Inertia, Ratio, Torque, rpm
 
@@ -36,6 +37,7 @@ class ElectricMotor(Component):
         "mains: Sf, field: 0, slip: R, rotor: 1, inertia: I",
         "mains |-> field, field |-> slip, field -> rotor, rotor ->| inertia, shaft -> rotor",
     )
+    icon = symbols.ELECTRIC_MOTOR
     sources = (KLOSS,)
 
     def check(self) -> Iterator[Problem]:

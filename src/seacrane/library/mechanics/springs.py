@@ -93,6 +93,7 @@ class RopeSpring(Component):
         "between: 0, parting: 1, spring: C, damper: MR",
         "a -> between, between -> b, between -> parting, parting |-> spring, parting |-> damper",
     )
+    icon = symbols.ROPE_SPRING
     sources = (DISSERTATION,)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
@@ -125,6 +126,7 @@ class EndStop(Component):
         "between: 0, closing: 1, spring: C, damper: MR",
         "a -> between, between -> b, between -> closing, closing |-> spring, closing |-> damper",
     )
+    icon = symbols.END_STOP
     sources = (DISSERTATION,)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:

@@ -82,9 +82,10 @@ class CompileError(SeacraneError):
 
 
 class SolveError(SeacraneError):
-    """An integration or an equation solve failed."""
+    """An integration or an equation solve failed; `results` is what was computed before: of `simulate`, a recording."""
 
     code = "solve"
+    results: Any = None
 
 
 class FmuError(SeacraneError):

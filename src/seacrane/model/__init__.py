@@ -5,26 +5,39 @@ diagram = Diagram("filling")
 dae = diagram.compile()
 """
 
+from .classical import BDF, LSODA, Adams, Radau
 from .component import REGISTRY, Component, initial, option, parameter, shared
 from .dae import Dae, Variable
 from .diagram import Diagram, Part, PortHandle
 from .native import NativeInstance, NativeModel, build
 from .ports import Hydraulic, Rotational, SignalIn, SignalOut, Translational
-from .simulate import simulate
+from .simulate import SOLVERS, Run, simulate
+from .solvers import RODAS4, ExplicitEuler, ImplicitEuler, RungeKutta4, RunStatistics
 from .structure import BondGraph, Symbol
 
 __all__ = [
+    "BDF",
+    "LSODA",
     "REGISTRY",
+    "RODAS4",
+    "SOLVERS",
+    "Adams",
     "BondGraph",
     "Component",
     "Dae",
     "Diagram",
+    "ExplicitEuler",
     "Hydraulic",
+    "ImplicitEuler",
     "NativeInstance",
     "NativeModel",
     "Part",
     "PortHandle",
+    "Radau",
     "Rotational",
+    "Run",
+    "RunStatistics",
+    "RungeKutta4",
     "SignalIn",
     "SignalOut",
     "Symbol",

@@ -19,11 +19,11 @@ import casadi as ca
 from seacrane.errors import Problem, StructureError
 from seacrane.model.dae import Dae, Variable
 from seacrane.native import source
-from seacrane.units import UNITS
+from seacrane.units import UNITS, Unit
 
 CORE = source(
     "model.h", "core.h", "fmi2.h", "linear.c", "instance.c", "evaluate.c", "values.c", "newton.c", "integrate.c",
-    "simulate.c", "fmi2.c",
+    "explicit.c", "simulate.c", "fmi2.c",
 )  # fmt: skip
 """The C files that every model is compiled with."""
 
@@ -57,9 +57,10 @@ class Generated:
 
 def derivative_of(state: Variable) -> Variable:
     """The variable `der(x)` of a state x; without a unit if there is no symbol for it."""
-    kg, m, s, rad = UNITS[state.unit].dimension
-    factor = UNITS[state.unit].factor
-    rates = (u.symbol for u in UNITS.values() if u.dimension == (kg, m, s - 1, rad) and u.factor == factor)
+    unit = UNITS[state.unit]
+    kg, m, s, rad = unit.dimension
+    rate = Unit("", (kg, m, s - 1, rad), unit.factor, unit.kelvin)
+    rates = (u.symbol for u in UNITS.values() if u.same_dimension(rate) and u.factor == rate.factor)
     about = f"time derivative of {state.name}"
     return Variable(f"der({state.name})", next(rates, ""), nominal=state.nominal, about=about)
 

@@ -1,61 +1,129 @@
-"""Run one model by itself: compiled, integrated by RODAS4, recorded with units."""
+"""Run one model by itself: compiled, integrated, recorded with units."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from seacrane.errors import SolveError
+from seacrane.errors import ParameterError, Problem, SolveError, nearest
 from seacrane.results import Recording, Signal
 
+from .classical import BDF, LSODA, Adams, Radau
 from .dae import Dae
 from .diagram import Diagram
 from .native import NativeModel, build
+from .solvers import (
+    RODAS4,
+    ExplicitEuler,
+    ImplicitEuler,
+    Progress,
+    RungeKutta4,
+    RunStatistics,
+    Solver,
+    Task,
+    progress_of,
+)
+
+Model = Diagram | Dae | NativeModel
+Inputs = Mapping[str, float | tuple[ArrayLike, ArrayLike]]
+
+SOLVERS: Final[Mapping[str, Solver]] = {
+    "rodas4": RODAS4(),
+    "implicit-euler": ImplicitEuler(),
+    "explicit-euler": ExplicitEuler(),
+    "rk4": RungeKutta4(),
+    "adams": Adams(),
+    "bdf": BDF(),
+    "lsoda": LSODA(),
+    "radau": Radau(),
+}
+"""Solvers by the names that `simulate` and `compare` take, with the steps they have by default."""
+
+
+@dataclass(frozen=True, eq=False)
+class Run(Recording):
+    """What a run of a model has given, and what it has cost."""
+
+    statistics: RunStatistics | None = None
 
 
 def simulate(
-    model: Diagram | Dae | NativeModel,
+    model: Model,
     until: float,
     *,
     every: float = 0.01,
-    inputs: Mapping[str, float | tuple[ArrayLike, ArrayLike]] | None = None,
+    inputs: Inputs | None = None,
     parameters: Mapping[str, float] | None = None,
     record: Sequence[str] | None = None,
+    solver: str | Solver = "rodas4",
     tolerance: float = 1e-6,
     linear: bool = False,
-) -> Recording:
+    progress: bool | Progress | None = None,
+) -> Run:
     """The behaviour of a model from 0 to `until` [s], recorded every `every` [s].
 
     inputs: a constant, or sample times and values, for each input (SI); samples are held, or joined by straight lines
     if `linear`. parameters: values other than the model's own, start values of states included. record: names of
-    variables, by default all. tolerance: relative, of the adaptive solver.
+    variables, by default all. solver: a name of `SOLVERS`, or an object such as `RungeKutta4(step=2e-5)`. tolerance:
+    relative, of adaptive solvers. progress: True shows a bar if the run takes longer than two seconds, False does not,
+    None does so on a terminal; a function is called with the time reached and `until`. (SUNDIALS reports the end only.)
 
-    Raises `ParameterError` for an unknown name, `SolveError` where the integration fails.
+    The result's `statistics` tell steps, CPU time and real-time factor.
+
+    Raises `ParameterError` for an unknown name, `SolveError` where the integration fails; its `results` are then the
+    `Run` up to there.
     """
     if not (math.isfinite(until) and until > 0 and 0 < every <= until):
         raise SolveError.at(
             "simulate", f"cannot run until {until:g} s with output every {every:g} s", allowed="0 < every <= until"
         )
-    native = (
-        model if isinstance(model, NativeModel) else build(model.compile() if isinstance(model, Diagram) else model)
-    )
+    chosen = solver_of(solver)
+    native = compiled(model)
     variables = {v.name: v for v in native.dae.variables}
     names = list(variables) if record is None else list(record)
+    unknown = [n for n in names if n not in variables]
+    if unknown:
+        raise ParameterError(
+            Problem(native.name, f"has no variable {n!r}", hint=nearest(n, variables)) for n in unknown
+        )
     times = np.linspace(0.0, until, round(until / every) + 1)
-    constants = {n: float(v) for n, v in (inputs or {}).items() if not isinstance(v, tuple)}
-    sampled = {n: v for n, v in (inputs or {}).items() if isinstance(v, tuple)}
-    with native.instantiate() as instance:
-        settings = {"solver.tolerance": tolerance, **(parameters or {}), **constants}
-        instance.set(list(settings), list(settings.values()))
-        if sampled:
-            first = [float(np.asarray(values).reshape(-1)[0]) for _, values in sampled.values()]
-            instance.set(list(sampled), first)
-        instance.initialize(0.0)
-        values = instance.simulate(times, names, sampled, linear=linear)
-    return Recording(
+    task = Task(
+        native,
         times,
-        {n: Signal(variables[n].unit, variables[n].display_unit, values[:, i]) for i, n in enumerate(names)},
+        names,
+        {**(parameters or {}), **{n: float(v) for n, v in (inputs or {}).items() if not isinstance(v, tuple)}},
+        {n: v for n, v in (inputs or {}).items() if isinstance(v, tuple)},
+        linear,
+        tolerance,
+        progress_of(progress),
     )
+    outcome = chosen.run(task)
+    signals = {
+        n: Signal(variables[n].unit, variables[n].display_unit, outcome.values[:, i]) for i, n in enumerate(names)
+    }
+    run = Run(times[: len(outcome.values)], signals, outcome.statistics)
+    if outcome.error is not None:
+        outcome.error.results = run
+        raise outcome.error
+    return run
+
+
+def compiled(model: Model) -> NativeModel:
+    """The model as machine code, from whichever form it has."""
+    if isinstance(model, NativeModel):
+        return model
+    return build(model.compile() if isinstance(model, Diagram) else model)
+
+
+def solver_of(solver: str | Solver) -> Solver:
+    """The solver of this name, or the one given; `SolveError` with the nearest names if there is none."""
+    if not isinstance(solver, str):
+        return solver
+    if solver not in SOLVERS:
+        raise SolveError.at("solver", f"there is none named {solver!r}", hint=nearest(solver, SOLVERS))
+    return SOLVERS[solver]

@@ -57,6 +57,8 @@ struct instance {
     double *base[KINDS];
     struct lookup get, set;
     struct statistics statistics;
+    int explicit_order; /* 0: implicit, as the settings say; 1: Euler; 4: Runge-Kutta */
+    double explicit_step;
     struct workspace work;
     char *name;
     void (*logger)(void); /* what the environment gave us, as fmi2.c knows it */
@@ -88,6 +90,9 @@ void lu_solve(int n, const double *a, const int *pivot, double *b);
 /* newton.c, integrate.c */
 int solve_algebraic(struct instance *m);
 int integrate(struct instance *m, double end);
+
+/* explicit.c */
+int integrate_explicitly(struct instance *m, double end);
 
 /* values.c */
 const struct variable *find_variable(uint32_t reference);

@@ -209,5 +209,7 @@ int integrate(struct instance *m, double end)
         accept(m, end);
         return 0;
     }
+    if (m->explicit_order > 0)
+        return integrate_explicitly(m, end);
     return m->state.setting[FIXED_STEP] > 0 ? fixed(m, end) : adaptive(m, end);
 }

@@ -67,6 +67,13 @@ EXPORT int seacrane_simulate(struct instance *m, size_t count, const double *tim
     return fmi2OK;
 }
 
+/* From now on explicit steps: Euler's method (order 1) or Runge-Kutta (order 4); order 0 goes back to the settings. */
+EXPORT void seacrane_explicit(struct instance *m, int order, double step)
+{
+    m->explicit_order = order;
+    m->explicit_step = step;
+}
+
 EXPORT const char *seacrane_message(const struct instance *m)
 {
     return m->message;

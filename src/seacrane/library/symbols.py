@@ -88,8 +88,8 @@ FILTER = Symbol(40, 40, _path("M0 20 H4 M36 20 H40 M20 4 L36 20 L20 36 L4 20 Z")
 FLOW_DIVIDER = Symbol(
     60,
     40,
-    _circle(18, 20, 12) + _circle(42, 20, 12) + _path("M30 18 V22 M18 0 V8 M42 0 V8 M18 32 V36 H42 V32 M30 36 V40"),
-    {"a": (30, 40), "b": (18, 0), "c": (42, 0)},
+    _circle(18, 20, 12) + _circle(42, 20, 12) + _path("M30 18 V22 M20 0 V8 M40 0 V8 M20 32 V36 H40 V32 M30 36 V40"),
+    {"a": (30, 40), "b": (20, 0), "c": (40, 0)},
 )
 SHUTTLE_VALVE = Symbol(
     60,
@@ -113,15 +113,15 @@ _RELIEF = (
     + _arrow(45, 35, 53, 15)
 )
 RELIEF_VALVE = Symbol(60, 50, _RELIEF, {"a": (20, 0), "b": (20, 50)})
-_INLET = _box(10, 10, 30, 30) + _path("M25 0 V10 M25 40 V50") + _spring(40, 25, 18)
+_INLET = _box(10, 10, 30, 30) + _path("M20 0 V10 M20 40 V50") + _spring(40, 25, 18)
 PRESSURE_REDUCING_VALVE = Symbol(
-    60, 50, _INLET + _arrow(25, 10, 25, 40) + _path("M25 45 H4 V25 H10", _DASHED), {"a": (25, 0), "b": (25, 50)}
+    60, 50, _INLET + _arrow(27, 10, 27, 40) + _path("M20 45 H4 V25 H10", _DASHED), {"a": (20, 0), "b": (20, 50)}
 )
 PRESSURE_COMPENSATOR = Symbol(
     60,
     50,
-    _INLET + _arrow(25, 10, 25, 40) + _path("M0 20 H10 M60 40 H46 V36 H40", _DASHED),
-    {"a": (25, 0), "b": (25, 50), "s": (0, 20), "ls": (60, 40)},
+    _INLET + _arrow(27, 10, 27, 40) + _path("M0 20 H10 M60 40 H46 V36 H40", _DASHED),
+    {"a": (20, 0), "b": (20, 50), "s": (0, 20), "ls": (60, 40)},
 )
 PILOT_OPERATED_CHECK_VALVE = Symbol(
     40, 40, _CHECK + _path("M0 30 H15", _DASHED), {"a": (20, 40), "b": (20, 0), "pilot": (0, 30)}
@@ -245,13 +245,13 @@ GEAR = Symbol(
 WINCH_DRUM = Symbol(
     80,
     50,
-    _path("M0 23 H12 M0 27 H12")
-    + _box(12, 5, 6, 40)
-    + _box(54, 5, 6, 40)
-    + _box(18, 13, 36, 24)
-    + _path("M24 13 V37 M30 13 V37 M36 13 V37 M42 13 V37 M48 13 H80", 'stroke-width="1"')
+    _path("M0 18 H12 M0 22 H12")
+    + _box(12, 0, 6, 40)
+    + _box(54, 0, 6, 40)
+    + _box(18, 8, 36, 24)
+    + _path("M24 8 V32 M30 8 V32 M36 8 V32 M42 8 V32 M48 8 V32", 'stroke-width="1"')
     + _path("M48 10 H80"),
-    {"shaft": (0, 25), "rope": (80, 10)},
+    {"shaft": (0, 20), "rope": (80, 10)},
 )
 
 

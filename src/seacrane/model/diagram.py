@@ -114,6 +114,19 @@ class Diagram:
 
         return bond_graph(self)
 
+    def icons_svg(self) -> str:
+        """The iconic diagram as an SVG document: symbols of the components, joined by lines in domain colours."""
+        from .drawing.icons import icons_svg
+        from .net import net
+
+        return icons_svg(net(self))
+
+    def sources(self) -> tuple[str, ...]:
+        """Where the laws of exactly these components, at these levels, come from; each once, in order of use."""
+        from .net import net
+
+        return tuple(dict.fromkeys(s for component in net(self).components.values() for s in component.sources))
+
     def _strangers(self, ports: tuple[object, ...]) -> Iterator[Problem]:
         for port in ports:
             if not isinstance(port, PortHandle):

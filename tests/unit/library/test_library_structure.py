@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
+
 import pytest
 
 import seacrane.library.hydraulics
@@ -18,3 +20,20 @@ def test_bond_graph_has_one_bond_at_each_power_port(component: type[Component]) 
     power_ports = {name for name, port in component.ports.items() if isinstance(port, PowerPort)}
     assert component.bond_graph is not None
     assert component.bond_graph.misfits(component.__name__, power_ports) == []
+
+
+@pytest.mark.parametrize("component", LIBRARY, ids=lambda c: c.__name__)
+def test_icon_has_its_ports_on_grid_points_of_its_rim(component: type[Component]) -> None:
+    icon = component.icon
+    assert icon is not None
+    assert set(icon.ports) <= set(component.ports)
+    for x, y in icon.ports.values():
+        assert x % 10 == 0
+        assert y % 10 == 0
+        assert x in (0, icon.width) or y in (0, icon.height)
+
+
+@pytest.mark.parametrize("component", LIBRARY, ids=lambda c: c.__name__)
+def test_icon_is_well_formed_svg(component: type[Component]) -> None:
+    assert component.icon is not None
+    assert len(ET.fromstring(f"<svg>{component.icon.svg}</svg>")) > 0

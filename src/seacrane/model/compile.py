@@ -1,396 +1,240 @@
-"""From a diagram to a DAE of index 1: join, match, order, solve.
+"""From a diagram to a DAE of index 1: lay flat, reduce, match, order, tear, solve.
 
-1. Join: union-find puts connected ports on nodes. A node has one symbol for its across variable; its through variables
-   sum to zero (two ports: the second is minus the first; more: an equation).
-2. Match every equation to the unknown it determines. What stays unmatched is a fault of structure, told by name.
+1. Lay all components side by side and join them at nodes (`flatten`).
+2. Match every equation to the unknown it determines. States that are tied rigidly become fewer (`reduce`); what stays
+   unmatched is a fault of structure, told by name (`diagnose`).
 3. Order the equations into blocks that can be solved one after the other (block-triangular form).
-4. Solve scalar linear blocks symbolically, and small linear ones too. A nonlinear block stays as algebraic unknowns z.
+4. Solve scalar linear blocks symbolically. In a larger block choose few unknowns from which the others follow one by
+   one (tearing). If what is left is linear and small, solve that symbolically too; else it stays as algebraic unknowns.
 
 (Cellier and Kofman, Continuous System Simulation, 2006, chapter 7.)
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from seacrane.errors import Problem, StructureError
-from seacrane.numerics.graph import components_in_order, match
-from seacrane.units import UNITS, display
+from seacrane.numerics.graph import components_in_order, tear
 
-from .component import check_value, shared_default, symbolic_twin
 from .dae import Dae, Variable, column
-from .diagnose import explain, undetermined
-from .diagram import Diagram, PortHandle
-from .ports import PowerPort, SignalIn, SignalOut
+from .diagnose import places, undetermined
+from .diagram import Diagram
+from .flatten import Flat, Unknown, flatten
+from .reduce import Reduced, Tie, at_random, reduce_index, scaled
+from .start import contradictions, with_solved_start
 
 LARGEST_SYMBOLIC_BLOCK = 4
-"""Linear blocks up to this size are solved symbolically; larger ones are cheaper as algebraic unknowns."""
+"""Torn linear blocks up to this size are solved symbolically; larger ones are cheaper as algebraic unknowns."""
+
+LEAST_PIVOT = 1e-3
+"""An equation is solved for an unknown only if it has this weight in it, measured in nominal values."""
 
 
 @dataclass(frozen=True)
-class Equation:
-    """`residual` = 0, stated by `origin`: the path of a component, or the ports of a node."""
+class Loop:
+    """Equations that can only be solved together: where, for what, and the unknowns `torn` that remain for the solver.
 
-    residual: Any
-    origin: str
-
-
-@dataclass(frozen=True)
-class Unknown:
-    """A symbol to be solved for: a derivative of a state, a port variable, a signal or an unknown of a component."""
-
-    variable: Variable
-    symbol: Any
-    state: str | None = None
-
-
-class Flat:
-    """All variables and equations of a diagram, side by side: what joining gives and matching takes."""
-
-    def __init__(self) -> None:
-        self.t = ca.SX.sym("t")
-        self.states: dict[str, tuple[Variable, Any]] = {}
-        self.unknowns: dict[str, Unknown] = {}
-        self.inputs: dict[str, tuple[Variable, Any]] = {}
-        self.parameters: dict[str, tuple[Variable, Any]] = {}
-        self.outputs: dict[str, tuple[Variable, Any]] = {}
-        self.observables: dict[str, tuple[Variable, Any]] = {}
-        self.equations: list[Equation] = []
-        self.sources: list[str] = []
-
-    def unknown(self, variable: Variable, state: str | None = None) -> Any:
-        symbol = ca.SX.sym(variable.name)
-        self.unknowns[variable.name] = Unknown(variable, symbol, state)
-        return symbol
-
-
-class PortVariables:
-    """The variables of one power port, by their letters: `m.a.p`, `m.a.q`."""
-
-    def __init__(self, port: PowerPort, across: Any, through: Any) -> None:
-        setattr(self, port.across, across)
-        setattr(self, port.through, through)
-        self.power = across * through
-
-
-class Equations:
-    """What a law is written with: the ports of one component, its states, and what it reports.
-
-    `stores(power)`, `dissipates(power)` and `supplies(power)` account for the power into the ports:
-    sum of port powers = stored + dissipated - supplied. They become the observables `stored_power`, `lost_power` and
-    `supplied_power`.
+    No torn unknowns: the loop is linear and solved in closed form.
     """
 
-    def __init__(self, flat: Flat, path: str, ports: dict[str, Any]) -> None:
-        self._flat, self._path = flat, path
-        self.ports = ports
-        self._ders: dict[str, Any] = {}
-        self._account: dict[str, Any] = {}
-
-    def __getattr__(self, name: str) -> Any:
-        try:
-            return self.__dict__["ports"][name]
-        except KeyError:
-            raise AttributeError(f"{self._path} has no port {name!r}") from None
-
-    @property
-    def time(self) -> Any:
-        return self._flat.t
-
-    def state(
-        self, name: str, *, unit: str, start: float = 0.0, nominal: float = 1.0, about: str = "", shown: str = ""
-    ) -> Any:
-        """A new state; its rate is `m.der(state)`."""
-        path = f"{self._path}.{name}"
-        symbol = ca.SX.sym(path)
-        variable = Variable(path, unit, float(start), nominal, about=about, shown=shown)
-        self._flat.states[path] = (variable, symbol)
-        self._ders[path] = self._flat.unknown(Variable(f"der({path})", "1", about=f"rate of {path}"), path)
-        return symbol
-
-    def der(self, state: Any) -> Any:
-        """The time derivative of a state of this component."""
-        return self._ders[state.name()]
-
-    def unknown(self, name: str, *, unit: str = "1", start: float = 0.0, nominal: float = 1.0, about: str = "") -> Any:
-        """A new algebraic unknown, determined by an equation of the law."""
-        return self._flat.unknown(Variable(f"{self._path}.{name}", unit, start, nominal, about=about))
-
-    def observe(self, name: str, expression: Any, unit: str = "1", about: str = "", shown: str = "") -> None:
-        """A named quantity to look at; it determines nothing."""
-        path = f"{self._path}.{name}"
-        self._flat.observables[path] = (Variable(path, unit, about=about, shown=shown), ca.SX(expression))
-
-    def stores(self, power: Any) -> None:
-        self._add("stored_power", power, "power that goes into storage")
-
-    def dissipates(self, power: Any) -> None:
-        self._add("lost_power", power, "power turned into heat")
-
-    def supplies(self, power: Any) -> None:
-        self._add("supplied_power", power, "power that comes from outside the diagram")
-
-    def _add(self, name: str, power: Any, about: str) -> None:
-        self._account[name] = self._account.get(name, 0) + power
-        self.observe(name, self._account[name], "W", about)
+    where: str
+    unknowns: tuple[str, ...]
+    torn: tuple[str, ...]
 
 
-# ---------------------------------------------------------------- 1. join
-def flatten(diagram: Diagram) -> Flat:
-    """All equations and unknowns of the diagram; raises with every fault of the connections at once."""
-    flat = Flat()
-    nodes = _nodes(diagram)
-    problems = [*_loose_ends(diagram, nodes)]
-    if problems:
-        raise StructureError(problems)
-    across: dict[str, Any] = {}
-    through: dict[str, Any] = {}
-    signals: dict[str, Any] = {}
-    exposed_name = {handle.path: name for name, handle in diagram.exposed.items()}
-    for node in nodes:
-        if isinstance(node[0].port, PowerPort):
-            _power_node(flat, node, exposed_name, across, through)
-        else:
-            _signal_node(flat, node, exposed_name, signals)
-    for name, part in diagram.parts.items():
-        component = part.component
-        ports = {
-            key: PortVariables(port, across[f"{name}.{key}"], through[f"{name}.{key}"])
-            if isinstance(port, PowerPort)
-            else signals[f"{name}.{key}"]
-            for key, port in component.interface().items()
-        }
-        equations = Equations(flat, name, ports)
-        twin = symbolic_twin(component, _parameter_symbols(flat, diagram, name, component))
-        for left, right in twin.equations(equations):
-            flat.equations.append(Equation(left - right, name))
-        flat.sources += [s for s in component.sources if s not in flat.sources]
-    return flat
+@dataclass(frozen=True)
+class Compiled:
+    """A model with what the compiler did to get it."""
+
+    dae: Dae
+    ties: tuple[Tie, ...]
+    loops: tuple[Loop, ...]
 
 
-def _nodes(diagram: Diagram) -> list[list[PortHandle]]:
-    """Ports grouped by connection (union-find), in order of appearance; lone ports are groups of one."""
-    handles = {handle.path: handle for part in diagram.parts.values() for handle in part}
-    parent = {path: path for path in handles}
+@dataclass
+class _Solution:
+    """What has been solved, in order, and what stays algebraic."""
 
-    def find(path: str) -> str:
-        while parent[path] != path:
-            parent[path] = parent[parent[path]]
-            path = parent[path]
-        return path
-
-    for connection in diagram.connections:
-        for handle in connection[1:]:
-            parent[find(handle.path)] = find(connection[0].path)
-    groups: dict[str, list[PortHandle]] = {}
-    for path, handle in handles.items():
-        groups.setdefault(find(path), []).append(handle)
-    return list(groups.values())
+    symbols: list[Any]
+    expressions: list[Any]
+    algebraic: list[Unknown]
+    residuals: list[Any]
+    loops: list[Loop]
 
 
-def _loose_ends(diagram: Diagram, nodes: list[list[PortHandle]]) -> Iterator[Problem]:
-    exposed = {handle.path for handle in diagram.exposed.values()}
-    if not diagram.parts:
-        yield Problem(diagram.name, "is empty")
-    for node in nodes:
-        outputs = [h.path for h in node if isinstance(h.port, SignalOut)]
-        if len(outputs) > 1:
-            yield Problem(node[0].path, f"is driven by several outputs: {', '.join(outputs)}")
-        if len(node) > 1 or node[0].path in exposed or isinstance(node[0].port, SignalOut):
-            continue
-        what = "is given no signal" if isinstance(node[0].port, SignalIn) else "is connected to nothing"
-        hint = (
-            "Connect it, or expose it." if isinstance(node[0].port, SignalIn) else "Connect it, expose it, or plug it."
-        )
-        yield Problem(f"{diagram.name}.{node[0].path}", what, hint=hint)
-
-
-def _power_node(
-    flat: Flat, node: list[PortHandle], exposed: dict[str, str], across: dict[str, Any], through: dict[str, Any]
-) -> None:
-    port = node[0].port
-    assert isinstance(port, PowerPort)
-    outside = [exposed[h.path] for h in node if h.path in exposed]
-    first = f"{node[0].path}.{port.across}"
-    if outside:
-        name = f"{outside[0]}.{port.across}"
-        symbol = ca.SX.sym(name)
-        flat.inputs[name] = (Variable(name, port.across_unit, about=f"given at {node[0].path}"), symbol)
-    else:
-        symbol = flat.unknown(Variable(first, port.across_unit, nominal=port.across_nominal))
-    for handle in node:
-        across[handle.path] = symbol
-        path = f"{handle.path}.{port.across}"
-        if outside or path != first:
-            flat.observables[path] = (Variable(path, port.across_unit), symbol)
-    flows: list[Any] = []
-    for handle in node:
-        path = f"{handle.path}.{port.through}"
-        if len(node) == 2 and not outside and flows:
-            through[handle.path] = -flows[0]
-            flat.observables[path] = (Variable(path, port.through_unit), -flows[0])
-        else:
-            through[handle.path] = flat.unknown(Variable(path, port.through_unit, nominal=port.through_nominal))
-        flows.append(through[handle.path])
-    total = sum(flows[1:], flows[0])
-    if outside:
-        name = f"{outside[0]}.{port.through}"
-        flat.outputs[name] = (Variable(name, port.through_unit, about=f"into {node[0].path}"), total)
-    elif len(node) > 2:
-        flat.equations.append(Equation(total, "node of " + ", ".join(h.path for h in node)))
-
-
-def _signal_node(flat: Flat, node: list[PortHandle], exposed: dict[str, str], signals: dict[str, Any]) -> None:
-    source = next((h for h in node if isinstance(h.port, SignalOut)), None)
-    names = [exposed[h.path] for h in node if h.path in exposed]
-    if source is not None and isinstance(source.port, SignalOut):
-        unit, shown = source.port.unit, source.port.shown
-        symbol = flat.unknown(Variable(source.path, unit, about=source.port.about, shown=shown))
-        for name in names:
-            flat.outputs[name] = (Variable(name, unit, about=source.port.about, shown=shown), symbol)
-    else:
-        port = node[0].port
-        assert isinstance(port, SignalIn)
-        unit = port.unit
-        low, high = port.minimum, port.maximum
-        variable = Variable(names[0], unit, minimum=low, maximum=high, about=port.about, shown=port.shown)
-        symbol = ca.SX.sym(names[0])
-        flat.inputs[names[0]] = (variable, symbol)
-    for handle in node:
-        assert isinstance(handle.port, (SignalIn, SignalOut))
-        factor = UNITS[unit].factor / UNITS[handle.port.unit].factor
-        signals[handle.path] = symbol * factor if factor != 1.0 else symbol
-        if handle is not source:
-            flat.observables[handle.path] = (Variable(handle.path, handle.port.unit), signals[handle.path])
-
-
-def _parameter_symbols(flat: Flat, diagram: Diagram, path: str, component: Any) -> dict[str, Any]:
-    """Symbols for the parameters of a component; a shared one left to the diagram is one symbol for all."""
-    symbols: dict[str, Any] = {}
-    for name, (declaration, quantity) in type(component).declarations.items():
-        if declaration.role not in ("parameter", "shared"):
-            continue
-        unit = quantity.unit if quantity else "1"
-        default = shared_default(component, name) if declaration.role == "shared" else None
-        full, value = f"{path}.{name}", getattr(component, name)
-        if default is not None:
-            full, value = name, diagram.shared.get(name, default)
-            problem = check_value(f"{diagram.name}.{name}", value, declaration, quantity)
-            if problem:
-                raise StructureError(problem)
-        if full not in flat.parameters:
-            low = next((b for b in (declaration.above, declaration.least) if b is not None), -math.inf)
-            high = next((b for b in (declaration.below, declaration.most) if b is not None), math.inf)
-            shown = quantity.display if quantity else display(unit)
-            about = declaration.about
-            variable = Variable(full, unit, float(value), minimum=low, maximum=high, about=about, shown=shown)
-            flat.parameters[full] = (variable, ca.SX.sym(full))
-        symbols[name] = flat.parameters[full][1]
-    return symbols
-
-
-# ---------------------------------------------------------------- 2. match, 3. order, 4. solve
-def compile_diagram(diagram: Diagram) -> Dae:
-    """See the module and `Diagram.compile`."""
+def compile_diagram(diagram: Diagram) -> Compiled:
+    """See the module, `Diagram.compile` and `Diagram.report`."""
     flat = flatten(diagram)
-    unknowns = list(flat.unknowns.values())
-    residuals = column(*[e.residual for e in flat.equations])
-    sparsity = ca.jacobian_sparsity(residuals, column(*[u.symbol for u in unknowns]))
-    incidence: list[list[int]] = [[] for _ in flat.equations]
-    for row, col in zip(sparsity.row(), sparsity.get_col(), strict=True):
-        incidence[row].append(col)
-    matched = match(incidence, len(unknowns))
-    if len(flat.equations) != len(unknowns) or -1 in matched:
-        raise StructureError(explain(diagram, flat.equations, unknowns, incidence, matched))
-    equation_of = {unknown: equation for equation, unknown in enumerate(matched)}
-    needs = [[equation_of[j] for j in incidence[i] if j != matched[i]] for i in range(len(matched))]
-    blocks = components_in_order(needs)
-    return _assemble(diagram, flat, *_solve_blocks(diagram.name, flat, unknowns, matched, blocks))
-
-
-def _solve_blocks(
-    name: str, flat: Flat, unknowns: Sequence[Unknown], matched: Sequence[int], blocks: Sequence[Sequence[int]]
-) -> tuple[list[Any], list[Any], list[Unknown], list[Any]]:
-    """Solve in order; returns solved symbols and their expressions, then what stays algebraic and its residuals."""
-    symbols: list[Any] = []
-    expressions: list[Any] = []
-    algebraic: list[Unknown] = []
-    residuals: list[Any] = []
-    problems = []
-    for block in blocks:
-        wanted = [unknowns[matched[i]] for i in block]
-        v = column(*[u.symbol for u in wanted])
-        e = column(*[flat.equations[i].residual for i in block])
-        matrix = ca.jacobian(e, v)
-        if _is_singular(matrix):
-            problems.append(undetermined(name, wanted, [flat.equations[i] for i in block]))
-            continue
-        linear = not any(ca.which_depends(e, v, 2, True))
-        if linear and len(block) <= LARGEST_SYMBOLIC_BLOCK:
-            constant = ca.substitute(e, v, ca.SX.zeros(v.shape))
-            symbols.append(v)
-            expressions.append(-constant / matrix if len(block) == 1 else -ca.solve(matrix, constant))
-        else:
-            algebraic += wanted
-            residuals.append(e)
+    reduced = reduce_index(diagram.name, flat)
+    equation_of = {unknown: equation for equation, unknown in enumerate(reduced.matched)}
+    needs = [[equation_of[j] for j in row if j != reduced.matched[i]] for i, row in enumerate(reduced.incidence)]
+    solution = _Blocks(diagram.name, flat, reduced).solve(components_in_order(needs))
+    dae = with_solved_start(_assemble(diagram, flat, reduced, solution))
+    demoted = [flat.states[x][0] for tie in reduced.ties for x in tie.demoted]
+    problems = [*contradictions(dae, demoted, reduced.ties)]
     if problems:
         raise StructureError(problems)
-    return symbols, expressions, algebraic, residuals
+    return Compiled(dae, reduced.ties, tuple(solution.loops))
 
 
-def _is_singular(matrix: Any) -> bool:
-    """Whether the Jacobian of a block has no inverse whatever the numbers are: its rank at a random point tells."""
-    symbols = ca.symvar(matrix)
-    point = np.random.default_rng(1).uniform(0.5, 1.5, len(symbols))
-    values = np.asarray(ca.Function("J", [column(*symbols)], [ca.densify(matrix)])(point))
-    for axis in (1, 0):  # rows, then columns, to a largest entry of one: units must not decide
-        largest = np.abs(values).max(axis=axis, keepdims=True)
-        values = values / np.where(largest > 0, largest, 1.0)
-    return bool(np.linalg.matrix_rank(values, tol=1e-10) < len(values))
+class _Blocks:
+    """The equations of a matched system with their Jacobian, from which every block takes its part."""
+
+    def __init__(self, name: str, flat: Flat, reduced: Reduced) -> None:
+        self.name = name
+        self.equations, self.unknowns, self.matched = reduced.equations, reduced.unknowns, reduced.matched
+        self.residuals = [e.residual for e in self.equations]
+        self.symbols = [u.symbol for u in self.unknowns]
+        self.jacobian = ca.jacobian(column(*self.residuals), column(*self.symbols))
+        self.somewhere = at_random(self.jacobian)
+        self.fixed = self._fixed_coefficients(flat)
+
+    def _fixed_coefficients(self, flat: Flat) -> dict[tuple[int, int], float]:
+        """The coefficients that depend on nothing but parameters, with their values in nominal values."""
+        entries = column(*self.jacobian.nonzeros())
+        parameters = column(*[s for _, s in flat.parameters.values()])
+        moving = [s for s in ca.symvar(entries) if s.name() not in flat.parameters]
+        free = set(range(entries.numel())) - set(ca.jacobian_sparsity(entries, column(*moving)).row())
+        chosen = sorted(free)
+        function = ca.Function("c", [parameters], [entries[chosen]] if chosen else [ca.SX(0, 1)])
+        values = np.asarray(function([v.start for v, _ in flat.parameters.values()])).ravel()
+        rows, columns = self.jacobian.sparsity().row(), self.jacobian.sparsity().get_col()
+        return {
+            (rows[k], columns[k]): abs(value) * self.unknowns[columns[k]].variable.nominal
+            for k, value in zip(chosen, values, strict=True)
+        }
+
+    def solve(self, blocks: Sequence[Sequence[int]]) -> _Solution:
+        """All blocks in order. Raises `StructureError` for those that have no solution, whatever the numbers are."""
+        solution = _Solution([], [], [], [], [])
+        problems: list[Problem] = []
+        for block in blocks:
+            columns = [self.matched[i] for i in block]
+            part = scaled(self.somewhere[np.ix_(block, columns)])
+            if np.linalg.matrix_rank(part, tol=1e-10) < len(block):
+                wanted = [self.unknowns[j] for j in columns]
+                problems.append(undetermined(self.name, wanted, [self.equations[i] for i in block]))
+            elif len(block) == 1:
+                self._single(solution, block[0], columns[0])
+            else:
+                self._several(solution, block, columns)
+        if problems:
+            raise StructureError(problems)
+        return solution
+
+    def _single(self, solution: _Solution, row: int, column_: int) -> None:
+        symbol, slope = self.symbols[column_], self.jacobian[row, column_]
+        if ca.depends_on(slope, symbol):
+            self._leave(solution, [row], [column_], [row], [column_], [self.residuals[row]])
+        else:
+            solution.symbols.append(symbol)
+            solution.expressions.append(self._solved(row, column_))
+
+    def _solved(self, row: int, column_: int) -> Any:
+        """The unknown from an equation that is linear in it."""
+        slope = self.jacobian[row, column_]
+        return -ca.substitute(self.residuals[row], self.symbols[column_], ca.SX(0)) / slope
+
+    def _several(self, solution: _Solution, block: Sequence[int], columns: Sequence[int]) -> None:
+        place = {j: k for k, j in enumerate(columns)}
+        rows: list[list[int]] = []
+        solvable: list[list[int]] = []
+        for i in block:
+            inside = [j for j in columns if self.jacobian.sparsity().has_nz(i, j)]
+            rows.append([place[j] for j in inside])
+            weights = {j: self.fixed[i, j] for j in inside if (i, j) in self.fixed}
+            least = LEAST_PIVOT * max(weights.values(), default=0.0)
+            solvable.append([place[j] for j, weight in weights.items() if weight > 0 and weight >= least])
+        preferred = sorted(range(len(columns)), key=lambda k: self._preference(columns[k]))
+        torn = tear(rows, solvable, preferred)
+        order = [(block[i], columns[k]) for i, k in torn.order]
+        tears = [columns[k] for k in torn.tears]
+        rest = [block[i] for i in torn.residuals]
+        symbols = [self.symbols[j] for _, j in order]
+        expressions = [self._solved(i, j) for i, j in order]
+        residual, tear_symbols = column(*[self.residuals[i] for i in rest]), column(*[self.symbols[j] for j in tears])
+        if symbols:
+            residual = ca.substitute_inplace(symbols, expressions, [residual], False)[1][0]
+        if len(tears) <= LARGEST_SYMBOLIC_BLOCK and not any(ca.which_depends(residual, tear_symbols, 2, True)):
+            matrix = ca.jacobian(residual, tear_symbols)
+            constant = ca.substitute(residual, tear_symbols, ca.SX.zeros(tear_symbols.shape))
+            value = -constant / matrix if len(tears) == 1 else -ca.solve(matrix, constant)
+            solution.symbols.append(tear_symbols)
+            solution.expressions.append(ca.densify(value))
+            self._tell(solution, block, columns, [])
+        else:
+            self._leave(solution, block, columns, rest, tears, [self.residuals[i] for i in rest])
+        solution.symbols += symbols
+        solution.expressions += expressions
+
+    def _preference(self, column_: int) -> tuple[int, int]:
+        """What is torn rather: pressures, then what has a name for the user, then derivatives."""
+        unknown = self.unknowns[column_]
+        return (0 if unknown.variable.unit == "Pa" and unknown.shown else 1 if unknown.shown else 2), column_
+
+    def _leave(
+        self,
+        solution: _Solution,
+        block: Sequence[int],
+        columns: Sequence[int],
+        rest: Sequence[int],
+        tears: Sequence[int],
+        residuals: list[Any],
+    ) -> None:
+        solution.algebraic += [self.unknowns[j] for j in tears]
+        solution.residuals += residuals
+        self._tell(solution, block, columns, tears)
+
+    def _tell(self, solution: _Solution, block: Sequence[int], columns: Sequence[int], tears: Sequence[int]) -> None:
+        where = places(self.equations[i].origin for i in sorted(block))
+        names = sorted(self.unknowns[j].variable.name for j in columns if self.unknowns[j].shown)
+        torn = tuple(_as_algebraic(self.unknowns[j]).name for j in tears)
+        solution.loops.append(Loop(where, tuple(names), torn))
 
 
-def _assemble(
-    diagram: Diagram,
-    flat: Flat,
-    symbols: list[Any],
-    expressions: list[Any],
-    algebraic: list[Unknown],
-    residuals: list[Any],
-) -> Dae:
-    rates = {u.state: u.symbol for u in flat.unknowns.values() if u.state is not None}
+def _as_algebraic(unknown: Unknown) -> Variable:
+    """The variable of an algebraic unknown. A rate gets a name of its own: der(x) is the compiled model's word."""
+    if unknown.shown:
+        return unknown.variable
+    return replace(unknown.variable, name=f"{unknown.symbol.name().replace('der(', '').replace(')', '')}.rate")
+
+
+def _assemble(diagram: Diagram, flat: Flat, reduced: Reduced, solution: _Solution) -> Dae:
+    kept = {x: flat.states[x] for x in reduced.kept}
+    rates = {u.state: u.symbol for u in reduced.unknowns if u.state is not None}
     looked_at = dict(flat.observables)
-    kept = {u.variable.name for u in algebraic}
-    for u in flat.unknowns.values():
-        if u.state is None and u.variable.name not in kept and u.variable.name not in flat.outputs:
-            looked_at[u.variable.name] = (u.variable, u.symbol)
-    ode = column(*[rates[name] for name in flat.states])
+    algebraic = {u.symbol.name() for u in solution.algebraic}
+    for u in reduced.unknowns:
+        name = u.symbol.name()
+        if u.shown and name not in algebraic and name not in flat.outputs:
+            looked_at[name] = (u.variable, u.symbol)
     targets = [
-        ode,
-        column(*residuals),
+        column(*[rates[name] for name in kept]),
+        column(*solution.residuals),
         column(*[e for _, e in flat.outputs.values()]),
         column(*[e for _, e in looked_at.values()]),
     ]
-    if symbols:
-        expressions, targets = ca.substitute_inplace(symbols, expressions, targets, False)
+    if solution.symbols:
+        _, targets = ca.substitute_inplace(solution.symbols, solution.expressions, targets, False)
     # A rate that is itself an algebraic unknown (in a nonlinear block) is that unknown: nothing more to do.
     ode, alg, out, obs = (ca.densify(e) for e in targets)
     return Dae(
         name=diagram.name,
-        states=tuple(v for v, _ in flat.states.values()),
-        algebraics=tuple(u.variable for u in algebraic),
+        states=tuple(v for v, _ in kept.values()),
+        algebraics=tuple(_as_algebraic(u) for u in solution.algebraic),
         inputs=tuple(v for v, _ in flat.inputs.values()),
         parameters=tuple(v for v, _ in flat.parameters.values()),
         outputs=tuple(v for v, _ in flat.outputs.values()),
         observables=tuple(v for v, _ in looked_at.values()),
         t=flat.t,
-        x=column(*[s for _, s in flat.states.values()]),
-        z=column(*[u.symbol for u in algebraic]),
+        x=column(*[s for _, s in kept.values()]),
+        z=column(*[u.symbol for u in solution.algebraic]),
         u=column(*[s for _, s in flat.inputs.values()]),
         p=column(*[s for _, s in flat.parameters.values()]),
         ode=ode,

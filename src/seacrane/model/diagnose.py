@@ -16,74 +16,88 @@ from seacrane.errors import Problem
 from seacrane.numerics.graph import reachable
 
 if TYPE_CHECKING:
-    from .compile import Equation, Unknown
-    from .diagram import Diagram
+    from .flatten import Equation, Unknown
 
 
 def explain(
-    diagram: Diagram,
+    name: str,
     equations: Sequence[Equation],
     unknowns: Sequence[Unknown],
     incidence: Sequence[Sequence[int]],
     matched: Sequence[int],
+    states: set[str],
 ) -> list[Problem]:
     """The problems behind an incomplete matching (`matched[i]` is the unknown of equation i, or -1)."""
-    too_much = [*_too_much(diagram, equations, unknowns, incidence, matched)]
+    too_much = [*_too_much(name, equations, unknowns, incidence, matched, states)]
     # What is determined twice leaves as many unknowns without an equation: those are its shadow, not further faults.
     shadows = matched.count(-1) >= len(unknowns) - (len(matched) - matched.count(-1))
     return (
-        too_much
-        if too_much and shadows
-        else [
-            *too_much,
-            *_too_little(diagram, equations, unknowns, incidence, matched),
-        ]
+        too_much if too_much and shadows else [*too_much, *_too_little(name, equations, unknowns, incidence, matched)]
     )
 
 
+def overdetermined(incidence: Sequence[Sequence[int]], matched: Sequence[int]) -> list[set[int]]:
+    """Equations that determine their unknowns more than once, those that share an equation together."""
+    equation_of = {unknown: equation for equation, unknown in enumerate(matched) if unknown >= 0}
+    successors = [[equation_of[j] for j in row if j in equation_of] for row in incidence]
+    groups: list[set[int]] = []
+    for start in (i for i, unknown in enumerate(matched) if unknown < 0):
+        group = reachable(start, successors)
+        for other in [g for g in groups if g & group]:
+            groups.remove(other)
+            group |= other
+        groups.append(group)
+    return groups
+
+
+def is_prescribed(
+    group: set[int],
+    equations: Sequence[Equation],
+    incidence: Sequence[Sequence[int]],
+    matched: Sequence[int],
+    states: set[str],
+) -> bool:
+    """Whether a group with equations left over fixes everything in it, instead of tying states to each other."""
+    left_over = sum(matched[i] < 0 for i in group)
+    return len(_states_in(group, equations, states)) <= left_over
+
+
+def _states_in(group: set[int], equations: Sequence[Equation], states: set[str]) -> list[str]:
+    return sorted({s.name() for i in group for s in ca.symvar(equations[i].residual)} & states)
+
+
 def _too_much(
-    diagram: Diagram,
+    name: str,
     equations: Sequence[Equation],
     unknowns: Sequence[Unknown],
     incidence: Sequence[Sequence[int]],
     matched: Sequence[int],
+    states: set[str],
 ) -> Iterator[Problem]:
-    equation_of = {unknown: equation for equation, unknown in enumerate(matched) if unknown >= 0}
-    successors = [[equation_of[j] for j in row if j in equation_of] for row in incidence]
-    states = {u.state for u in unknowns if u.state is not None}
-    told: set[int] = set()
-    for left_over in (i for i, unknown in enumerate(matched) if unknown < 0):
-        if left_over in told:
+    for group in overdetermined(incidence, matched):
+        if not is_prescribed(group, equations, incidence, matched, states):
             continue
-        group = reachable(left_over, successors)
-        told |= group
-        places = _places(equations[i].origin for i in sorted(group))
+        where = places(equations[i].origin for i in sorted(group))
         quantities = sorted({unknowns[j].variable.name for i in group for j in incidence[i]})
-        tied = sorted({s.name() for i in group for s in ca.symvar(equations[i].residual)} & states)
-        if len(tied) > 1:
+        tied = _states_in(group, equations, states)
+        if tied:
+            what = "is a state, but its value is" if len(tied) == 1 else "are states, but their values are"
             yield Problem(
-                diagram.name,
-                f"{' and '.join(tied)} are tied rigidly to each other, so only one of them can be a state"
-                f" (derivative causality at {places})",
-                hint="Put something yielding between them: a hose or orifice, a spring, or a shaft.",
-            )
-        elif tied:
-            yield Problem(
-                diagram.name,
-                f"{tied[0]} is a state, but its value is also prescribed (derivative causality at {places})",
+                name,
+                f"{' and '.join(tied)} {what} also prescribed (derivative causality at {where})",
                 hint="Put an orifice, hose or spring between the source and the store.",
             )
         else:
             what = " and ".join(quantities[:4]) if quantities else "nothing that is unknown"
             yield Problem(
-                diagram.name,
-                f"{places} determine {what} more than once",
+                name,
+                f"{where} determine {what} more than once",
                 hint="Two sources of the same kind on one node? Remove one, or put a resistance between them.",
             )
 
 
 def _too_little(
-    diagram: Diagram,
+    name: str,
     equations: Sequence[Equation],
     unknowns: Sequence[Unknown],
     incidence: Sequence[Sequence[int]],
@@ -101,15 +115,15 @@ def _too_little(
         group = reachable(left_over, successors)
         told |= group
         beside = [equations[i] for j in sorted(group) for i in rows[j]]
-        yield undetermined(diagram.name, [unknowns[j] for j in sorted(group)], beside)
+        yield undetermined(name, [unknowns[j] for j in sorted(group)], beside)
 
 
 def undetermined(name: str, unknowns: Sequence[Unknown], equations: Sequence[Equation]) -> Problem:
     """The problem of unknowns that the equations around them leave open."""
-    names = sorted(u.variable.name for u in unknowns)
-    places = _places(e.origin for e in equations)
+    names = sorted(u.variable.name for u in unknowns if u.shown) or sorted(u.variable.name for u in unknowns)
+    where = places(e.origin for e in equations)
     shown = " and ".join(names[:4]) + (", ..." if len(names) > 4 else "")
-    at = f" at {places}" if places else ""
+    at = f" at {where}" if where else ""
     return Problem(
         name,
         f"nothing determines {shown}{at}",
@@ -117,5 +131,6 @@ def undetermined(name: str, unknowns: Sequence[Unknown], equations: Sequence[Equ
     )
 
 
-def _places(origins: Iterator[str]) -> str:
+def places(origins: Iterator[str]) -> str:
+    """Paths in the order of their first appearance."""
     return ", ".join(dict.fromkeys(origins))

@@ -106,7 +106,7 @@ class Diagram:
         """The equations of the diagram; `StructureError` says in plain words what has no solution."""
         from .compile import compile_diagram
 
-        return compile_diagram(self)
+        return compile_diagram(self).dae
 
     def bond_graph(self) -> SystemBondGraph:
         """The bond graph of the diagram with its causality; `.svg()` draws it."""

@@ -155,12 +155,23 @@ def test_two_pressure_sources_on_one_node_are_named():
     assert "main_pump, boost_pump determine main_pump.p.p more than once" in text
 
 
-def test_two_chambers_on_one_node_are_told_apart_from_a_mistake():
-    diagram = filling()
-    diagram.connect(diagram.parts["chamber"].a, diagram.add("hose", Chamber(volume=1 * l)).a)
+def test_a_chamber_tied_directly_to_a_source_is_told_apart_from_a_mistake():
+    diagram = Diagram("d")
+    pump = diagram.add("pump", PressureSource(pressure=200 * bar))
+    chamber = diagram.add("chamber", Chamber(volume=1 * l))
+    diagram.connect(pump.p, chamber.a)
     text = refused(diagram)
-    assert "chamber.p and hose.p are tied rigidly to each other" in text
-    assert "derivative causality" in text
+    assert "chamber.p is a state, but its value is also prescribed" in text
+    assert "derivative causality at pump, chamber" in text
+    assert "Put an orifice, hose or spring between the source and the store" in text
+
+
+def test_two_chambers_tied_directly_to_a_source_are_both_named():
+    diagram = Diagram("d")
+    pump = diagram.add("pump", PressureSource(pressure=200 * bar))
+    one, two = (diagram.add(n, Chamber(volume=1 * l)) for n in ("one", "two"))
+    diagram.connect(pump.p, one.a, two.a)
+    assert "one.p and two.p are states, but their values are also prescribed" in refused(diagram)
 
 
 def test_an_unconnected_port_is_named_with_the_cure():

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
 from importlib import resources
-from pathlib import Path
 from typing import Any
 
+from seacrane import documents
 from seacrane.design.crane import FORMAT, Crane
 from seacrane.design.validation import check, examine
 from seacrane.errors import DesignError, Problem, nearest
@@ -35,16 +34,12 @@ def load(source: str | os.PathLike[str]) -> Crane:
             hint = nearest(text, names()) + " A path ends in .json."
             raise DesignError.at(text, "is not a design that comes with the package", hint=hint)
         return loads((resources.files("seacrane.design") / "cranes" / f"{text}.json").read_bytes(), origin=text)
-    try:
-        content = Path(text).read_bytes()
-    except OSError as error:
-        raise DesignError.at(text, f"cannot be read: {error.strerror or error}") from None
-    return loads(content, origin=text)
+    return loads(documents.read(text, DesignError), origin=text)
 
 
 def loads(content: bytes | str, origin: str = "design") -> Crane:
     """The crane in the JSON text of a design file; `origin` names it in errors."""
-    data = _parsed(content, origin)
+    data = documents.parsed(content, origin, DesignError)
     if not isinstance(data, dict):
         raise DesignError.at(origin, "does not hold a crane: the file must be a JSON object")
     written = data.get("format")
@@ -57,26 +52,6 @@ def loads(content: bytes | str, origin: str = "design") -> Crane:
     return crane
 
 
-def _parsed(content: bytes | str, origin: str) -> Any:
-    def without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        result = dict(pairs)
-        if len(result) < len(pairs):
-            keys = [key for key, _ in pairs]
-            twice = ", ".join(sorted({repr(key) for key in keys if keys.count(key) > 1}))
-            raise DesignError.at(origin, f"gives a field twice in one object: {twice}")
-        return result
-
-    try:
-        text = content.decode("utf-8") if isinstance(content, bytes) else content
-        return json.loads(text, object_pairs_hook=without_duplicates)
-    except UnicodeDecodeError:
-        raise DesignError.at(origin, "is not a text file in UTF-8") from None
-    except json.JSONDecodeError as error:
-        raise DesignError.at(origin, f"is not JSON: {error.msg} in line {error.lineno}, column {error.colno}") from None
-    except (RecursionError, ValueError):
-        raise DesignError.at(origin, "is not a design: nested too deeply, or with a number too long to read") from None
-
-
 def to_json(crane: Crane) -> str:
     """The design file of a crane, in SI, which `loads` reads back equal. `DesignError` if it is not sound."""
     problems = check(crane)
@@ -87,23 +62,7 @@ def to_json(crane: Crane) -> str:
 
 def save(crane: Crane, path: str | os.PathLike[str]) -> None:
     """Write the design file; an existing file is replaced only once the new one is complete."""
-    target = Path(path)
-    content = to_json(crane)
-    handle, beside = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent or Path())
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(content)
-        os.chmod(beside, 0o666 & ~_umask())
-        os.replace(beside, target)
-    except BaseException:
-        Path(beside).unlink(missing_ok=True)
-        raise
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+    documents.write(to_json(crane), path)
 
 
 def _plain(value: Any) -> Any:

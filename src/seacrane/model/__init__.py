@@ -6,6 +6,7 @@ dae = diagram.compile()
 """
 
 from .classical import BDF, LSODA, Adams, Radau
+from .compare import Comparison, compare
 from .component import REGISTRY, Component, initial, option, parameter, shared
 from .dae import Dae, Variable
 from .diagram import Diagram, Part, PortHandle
@@ -23,6 +24,7 @@ __all__ = [
     "SOLVERS",
     "Adams",
     "BondGraph",
+    "Comparison",
     "Component",
     "Dae",
     "Diagram",
@@ -44,6 +46,7 @@ __all__ = [
     "Translational",
     "Variable",
     "build",
+    "compare",
     "initial",
     "option",
     "parameter",

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
 
 from seacrane import units
 from seacrane.errors import ParameterError, UnitError
-from seacrane.results.recording import Recording, Signal
+from seacrane.results.recording import Recording, Signal, Vector
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+ComplexVector = npt.NDArray[np.complex128]
 
 
 def plot(recording: Recording, unit: str | float | None = None, title: str = "") -> Figure:
@@ -34,6 +40,49 @@ def plot(recording: Recording, unit: str | float | None = None, title: str = "")
         ax.grid(True, alpha=0.3)
         ax.legend(loc="best")
     axes[-1].set_xlabel("time [s]")
+    if title:
+        figure.suptitle(title)
+    return figure
+
+
+def overlay(name: str, runs: Mapping[str, Recording], reference: Recording, unit: str | None = None) -> Figure:
+    """One signal of several runs over a reference, and below it how far each run is from the reference."""
+    from matplotlib.figure import Figure
+
+    shown = unit or reference.signal(name).display
+    factor = units.convert(1.0, reference.signal(name).unit, shown, name)
+    figure = Figure(figsize=(9.0, 6.0), layout="constrained")
+    above, below = figure.subplots(2, 1, sharex=True)
+    for label, run in runs.items():
+        above.plot(run.time, factor * run[name], label=label)
+        there = np.interp(run.time, reference.time, reference[name])
+        below.plot(run.time, factor * (run[name] - there), label=label)
+    above.plot(reference.time, factor * reference[name], "k--", linewidth=0.8, label="reference")
+    above.set_ylabel(f"{name} [{shown}]")
+    below.set_ylabel(f"deviation [{shown}]")
+    below.set_xlabel("time [s]")
+    for ax in (above, below):
+        ax.grid(True, alpha=0.3)
+    above.legend(loc="best", fontsize="small")
+    return figure
+
+
+def bode(frequency: Vector, response: Mapping[str, ComplexVector], title: str = "") -> Figure:
+    """Magnitude [dB of SI units] and phase [deg] of frequency responses over `frequency` [Hz]."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.0, 6.0), layout="constrained")
+    magnitude, phase = figure.subplots(2, 1, sharex=True)
+    for label, values in response.items():
+        with np.errstate(divide="ignore"):
+            magnitude.semilogx(frequency, 20 * np.log10(np.abs(values)), label=label)
+        phase.semilogx(frequency, np.rad2deg(np.unwrap(np.angle(values))), label=label)
+    magnitude.set_ylabel("magnitude [dB]")
+    phase.set_ylabel("phase [deg]")
+    phase.set_xlabel("frequency [Hz]")
+    for ax in (magnitude, phase):
+        ax.grid(True, which="both", alpha=0.3)
+    magnitude.legend(loc="best", fontsize="small")
     if title:
         figure.suptitle(title)
     return figure

@@ -8,85 +8,32 @@ follows the sign of the stick; the piston stops at its bumpers, 1.4 m of stroke 
 the stick is still positive; there the pressure on the piston side rises to the supply and that on the rod side falls to
 the tank.
 
-The dissertation prints no sizes but the stroke and the bumpers: bore, rod, supply, valve and load are those of
-`Drive`, and the joystick is a random one of the same length, recorded in joystick.csv.
+The drive is that of cylinder.py; the joystick is a random one of the printed length, recorded in joystick.csv.
 """
 
 from __future__ import annotations
 
 import argparse
-import math
 import tempfile
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from cylinder import Drive, add_circuit
 
 from seacrane import cosim, fmi
-from seacrane.library import hydraulics as hyd
 from seacrane.library import mechanics as mech
 from seacrane.model import Diagram
 from seacrane.results import Recording
-from seacrane.units import GRAVITY, bar, l, l_min, mm
+from seacrane.units import GRAVITY, bar
 
 HERE = Path(__file__).parent
-
-
-@dataclass(frozen=True)
-class Drive:
-    """The drive of Table 4.4 and of these figures."""
-
-    bore: float = 280 * mm
-    rod: float = 200 * mm
-    stroke: float = 1.4
-    bumper: float = 10 * mm
-    supply: float = 210 * bar
-    load: float = 20e3
-    start: float = 0.7
-
-    @property
-    def piston_area(self) -> float:
-        return math.pi / 4 * self.bore**2
-
-    @property
-    def weight(self) -> float:
-        return self.load * GRAVITY
-
-    @property
-    def bumper_stiffness(self) -> float:
-        """Such that the full push of the supply, less the load, goes `bumper` into it."""
-        return (self.supply * self.piston_area - self.weight) / self.bumper
 
 
 def hydraulics(d: Drive) -> Diagram:
     """Pump, 4/3 valve, lines and extended cylinder: spool and rod motion in, rod force out."""
     drive = Diagram("boom_drive", bulk_modulus=1.0e9)
-    pump = drive.add("pump", hyd.ConstantPressurePump(pressure=d.supply))
-    tank = drive.add("tank", hyd.Tank())
-    valve = drive.add(
-        "valve", hyd.DirectionalValve43(level="dynamic", flow=400 * l_min, at=35 * bar, natural_frequency=60.0)
-    )
-    cylinder = drive.add(
-        "cylinder",
-        hyd.DoubleActingCylinder(
-            level="extended",
-            bore=d.bore,
-            rod=d.rod,
-            stroke=d.stroke,
-            extension=d.start,
-            pressure_a=d.weight / d.piston_area,
-            viscous_friction=6e4,
-            coulomb_friction=3e3,
-            stop_stiffness=d.bumper_stiffness,
-            stop_damping=1e6,
-        ),
-    )
+    valve, cylinder = add_circuit(drive, d)
     body = drive.add("body", mech.MotionInput(position=d.start, correction=20.0))
-    drive.connect(pump.p, valve.p)
-    drive.connect(tank.p, valve.t)
-    for side, port, start in (("a", valve.a, d.weight / d.piston_area), ("b", valve.b, 0.0)):
-        line = drive.add(f"line_{side}", hyd.ControlVolume(volume=1 * l, pressure=start))
-        drive.connect(port, line.a, cylinder.a if side == "a" else cylinder.b)
     drive.connect(cylinder.rod, body.flange)
     drive.expose(spool=valve.x, velocity=body.v, position=body.x, force=body.F)
     return drive

@@ -14,6 +14,8 @@ EXAMPLES = Path(__file__).parents[2] / "examples" / "dissertation"
 
 
 def script(name):
+    if str(EXAMPLES) not in sys.path:
+        sys.path.insert(0, str(EXAMPLES))  # where a script finds its siblings
     spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module

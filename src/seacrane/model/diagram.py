@@ -6,7 +6,7 @@ What the equations say together is checked when it is compiled.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Final
 
 from seacrane.errors import Problem, StructureError, nearest
@@ -37,12 +37,19 @@ class PortHandle:
 
 
 class Part:
-    """A component placed in a diagram; its ports are its attributes."""
+    """A component, or a whole diagram, placed in a diagram; its ports are its attributes."""
 
-    def __init__(self, diagram: Diagram, name: str, component: Component) -> None:
-        self._ports = {key: PortHandle(diagram, name, key, port) for key, port in component.interface().items()}
+    def __init__(self, diagram: Diagram, name: str, content: Component | Diagram) -> None:
+        self._ports = {key: PortHandle(diagram, name, key, port) for key, port in content.interface().items()}
         self._name = name
-        self.component: Final = component
+        self.content: Final = content
+
+    @property
+    def component(self) -> Component:
+        """The component; `StructureError` if this part is a diagram."""
+        if isinstance(self.content, Diagram):
+            raise StructureError.at(self._name, f"is the diagram {self.content.name!r}, not a component")
+        return self.content
 
     def __getattr__(self, key: str) -> PortHandle:
         ports: dict[str, PortHandle] = self.__dict__.get("_ports", {})
@@ -60,7 +67,8 @@ class Diagram:
     """Components and their connections; `compile()` turns it into equations.
 
     Keyword arguments are values of shared parameters (`Diagram("drive", density=860.0)`), which every component
-    without a value of its own takes.
+    without a value of its own takes. A diagram can be placed in another like a component: its exposed ports are then
+    the ports of the part, and its own shared values go before those around it.
     """
 
     def __init__(self, name: str, **shared: float) -> None:
@@ -70,14 +78,30 @@ class Diagram:
         self.connections: Final[list[tuple[PortHandle, ...]]] = []
         self.exposed: Final[dict[str, PortHandle]] = {}
 
-    def add(self, name: str, component: Component) -> Part:
-        """Place a component under a name of its own."""
+    def add(self, name: str, content: Component | Diagram) -> Part:
+        """Place a component, or a copy of another diagram as it is now, under a name of its own.
+
+        The variables of a diagram placed as `drive` become `drive.cylinder.extension` and so on. Placed twice, it gives
+        two independent copies.
+        """
         if name in self.parts:
             raise StructureError.at(f"{self.name}.{name}", "is the name of a component already")
         if not name or not name.replace("_", "").isalnum():
             raise StructureError.at(self.name, f"{name!r} is no name for a component", allowed="letters, digits and _")
-        part = self.parts[name] = Part(self, name, component)
+        if isinstance(content, Diagram):
+            if not content.exposed:
+                raise StructureError.at(
+                    f"{self.name}.{name}",
+                    f"is the diagram {content.name!r}, which has no ports to connect",
+                    hint=f"Expose some: {content.name}.expose(...).",
+                )
+            content = content._copy()
+        part = self.parts[name] = Part(self, name, content)
         return part
+
+    def interface(self) -> Mapping[str, Port]:
+        """The exposed ports by name: what this diagram is connected by when it is placed in another."""
+        return {name: handle.port for name, handle in self.exposed.items()}
 
     def connect(self, *ports: PortHandle) -> None:
         """Join ports at one node, or one signal output to signal inputs."""
@@ -126,6 +150,13 @@ class Diagram:
         from .net import net
 
         return tuple(dict.fromkeys(s for component in net(self).components.values() for s in component.sources))
+
+    def _copy(self) -> Diagram:
+        copy = Diagram(self.name, **self.shared)
+        copy.parts.update(self.parts)
+        copy.connections.extend(self.connections)
+        copy.exposed.update(self.exposed)
+        return copy
 
     def _strangers(self, ports: tuple[object, ...]) -> Iterator[Problem]:
         for port in ports:

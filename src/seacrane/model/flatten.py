@@ -13,12 +13,13 @@ from typing import Any
 
 import casadi as ca
 
-from seacrane.errors import Problem, StructureError
+from seacrane.errors import Problem, StructureError, nearest
 from seacrane.units import UNITS, display
 
-from .component import check_value, shared_default, symbolic_twin
+from .component import REGISTRY, check_value, shared_default, symbolic_twin
 from .dae import Variable
-from .diagram import Diagram, PortHandle
+from .diagram import Diagram
+from .net import Net, Node, net
 from .ports import PowerPort, SignalIn, SignalOut
 
 
@@ -137,132 +138,117 @@ class Equations:
 def flatten(diagram: Diagram) -> Flat:
     """All equations and unknowns of the diagram; raises with every fault of the connections at once."""
     flat = Flat()
-    nodes = _nodes(diagram)
-    problems = [*_loose_ends(diagram, nodes)]
+    whole = net(diagram)
+    problems = [*_loose_ends(whole), *_unknown_shared(whole)]
     if problems:
         raise StructureError(problems)
     across: dict[str, Any] = {}
     through: dict[str, Any] = {}
     signals: dict[str, Any] = {}
-    exposed_name = {handle.path: name for name, handle in diagram.exposed.items()}
-    for node in nodes:
-        if isinstance(node[0].port, PowerPort):
-            _power_node(flat, node, exposed_name, across, through)
+    for node in whole.nodes:
+        if isinstance(node.ends[0].port, PowerPort):
+            _power_node(flat, node, across, through)
         else:
-            _signal_node(flat, node, exposed_name, signals)
-    for name, part in diagram.parts.items():
-        component = part.component
+            _signal_node(flat, node, signals)
+    for path, component in whole.components.items():
         ports = {
-            key: PortVariables(port, across[f"{name}.{key}"], through[f"{name}.{key}"])
+            key: PortVariables(port, across[f"{path}.{key}"], through[f"{path}.{key}"])
             if isinstance(port, PowerPort)
-            else signals[f"{name}.{key}"]
+            else signals[f"{path}.{key}"]
             for key, port in component.interface().items()
         }
-        equations = Equations(flat, name, ports)
-        twin = symbolic_twin(component, _parameter_symbols(flat, diagram, name, component))
+        equations = Equations(flat, path, ports)
+        twin = symbolic_twin(component, _parameter_symbols(flat, whole, path, component))
         for left, right in twin.equations(equations):
-            flat.equations.append(Equation(left - right, name))
+            flat.equations.append(Equation(left - right, path))
         flat.sources += [s for s in component.sources if s not in flat.sources]
     return flat
 
 
-def _nodes(diagram: Diagram) -> list[list[PortHandle]]:
-    """Ports grouped by connection (union-find), in order of appearance; lone ports are groups of one."""
-    handles = {handle.path: handle for part in diagram.parts.values() for handle in part}
-    parent = {path: path for path in handles}
-
-    def find(path: str) -> str:
-        while parent[path] != path:
-            parent[path] = parent[parent[path]]
-            path = parent[path]
-        return path
-
-    for connection in diagram.connections:
-        for handle in connection[1:]:
-            parent[find(handle.path)] = find(connection[0].path)
-    groups: dict[str, list[PortHandle]] = {}
-    for path, handle in handles.items():
-        groups.setdefault(find(path), []).append(handle)
-    return list(groups.values())
-
-
-def _loose_ends(diagram: Diagram, nodes: list[list[PortHandle]]) -> Iterator[Problem]:
-    exposed = {handle.path for handle in diagram.exposed.values()}
-    if not diagram.parts:
-        yield Problem(diagram.name, "is empty")
-    for node in nodes:
-        outputs = [h.path for h in node if isinstance(h.port, SignalOut)]
+def _loose_ends(whole: Net) -> Iterator[Problem]:
+    if not whole.components:
+        yield Problem(whole.name, "is empty")
+    for node in whole.nodes:
+        end = node.ends[0]
+        outputs = [e.path for e in node.ends if isinstance(e.port, SignalOut)]
         if len(outputs) > 1:
-            yield Problem(node[0].path, f"is driven by several outputs: {', '.join(outputs)}")
-        if len(node) > 1 or node[0].path in exposed or isinstance(node[0].port, SignalOut):
+            yield Problem(end.path, f"is driven by several outputs: {', '.join(outputs)}")
+        if len(node.ends) > 1 or node.exposed or isinstance(end.port, SignalOut):
             continue
-        what = "is given no signal" if isinstance(node[0].port, SignalIn) else "is connected to nothing"
-        hint = (
-            "Connect it, or expose it." if isinstance(node[0].port, SignalIn) else "Connect it, expose it, or plug it."
-        )
-        yield Problem(f"{diagram.name}.{node[0].path}", what, hint=hint)
+        what = "is given no signal" if isinstance(end.port, SignalIn) else "is connected to nothing"
+        hint = "Connect it, or expose it." if isinstance(end.port, SignalIn) else "Connect it, expose it, or plug it."
+        yield Problem(f"{whole.name}.{end.path}", what, hint=hint)
 
 
-def _power_node(
-    flat: Flat, node: list[PortHandle], exposed: dict[str, str], across: dict[str, Any], through: dict[str, Any]
-) -> None:
-    port = node[0].port
+def _unknown_shared(whole: Net) -> Iterator[Problem]:
+    """Shared values that no component knows. One that just these levels do not use is no fault."""
+    used = {n for c in whole.components.values() for n, (d, _) in type(c).declarations.items() if d.role == "shared"}
+    known = used | {n for c in REGISTRY for n, (d, _) in c.declarations.items() if d.role == "shared"}
+    for scope, values in whole.shared.items():
+        for name in values:
+            if name not in known:
+                place = ".".join(filter(None, (whole.name, scope, name)))
+                yield Problem(place, "is no shared parameter of any component", hint=nearest(name, used))
+
+
+def _power_node(flat: Flat, node: Node, across: dict[str, Any], through: dict[str, Any]) -> None:
+    ends, outside = node.ends, node.exposed
+    port = ends[0].port
     assert isinstance(port, PowerPort)
-    outside = [exposed[h.path] for h in node if h.path in exposed]
-    first = f"{node[0].path}.{port.across}"
+    first = f"{ends[0].path}.{port.across}"
     if outside:
         name = f"{outside[0]}.{port.across}"
         symbol = ca.SX.sym(name)
-        flat.inputs[name] = (Variable(name, port.across_unit, about=f"given at {node[0].path}"), symbol)
+        flat.inputs[name] = (Variable(name, port.across_unit, about=f"given at {ends[0].path}"), symbol)
     else:
         symbol = flat.unknown(Variable(first, port.across_unit, nominal=port.across_nominal))
-    for handle in node:
-        across[handle.path] = symbol
-        path = f"{handle.path}.{port.across}"
+    for end in ends:
+        across[end.path] = symbol
+        path = f"{end.path}.{port.across}"
         if outside or path != first:
             flat.observables[path] = (Variable(path, port.across_unit), symbol)
     flows: list[Any] = []
-    for handle in node:
-        path = f"{handle.path}.{port.through}"
-        if len(node) == 2 and not outside and flows:
-            through[handle.path] = -flows[0]
+    for end in ends:
+        path = f"{end.path}.{port.through}"
+        if len(ends) == 2 and not outside and flows:
+            through[end.path] = -flows[0]
             flat.observables[path] = (Variable(path, port.through_unit), -flows[0])
         else:
-            through[handle.path] = flat.unknown(Variable(path, port.through_unit, nominal=port.through_nominal))
-        flows.append(through[handle.path])
+            through[end.path] = flat.unknown(Variable(path, port.through_unit, nominal=port.through_nominal))
+        flows.append(through[end.path])
     total = sum(flows[1:], flows[0])
     if outside:
         name = f"{outside[0]}.{port.through}"
-        flat.outputs[name] = (Variable(name, port.through_unit, about=f"into {node[0].path}"), total)
-    elif len(node) > 2:
-        flat.equations.append(Equation(total, "node of " + ", ".join(h.path for h in node)))
+        flat.outputs[name] = (Variable(name, port.through_unit, about=f"into {ends[0].path}"), total)
+    elif len(ends) > 2:
+        flat.equations.append(Equation(total, "node of " + ", ".join(e.path for e in ends)))
 
 
-def _signal_node(flat: Flat, node: list[PortHandle], exposed: dict[str, str], signals: dict[str, Any]) -> None:
-    source = next((h for h in node if isinstance(h.port, SignalOut)), None)
-    names = [exposed[h.path] for h in node if h.path in exposed]
+def _signal_node(flat: Flat, node: Node, signals: dict[str, Any]) -> None:
+    ends, names = node.ends, node.exposed
+    source = next((e for e in ends if isinstance(e.port, SignalOut)), None)
     if source is not None and isinstance(source.port, SignalOut):
         unit, shown = source.port.unit, source.port.shown
         symbol = flat.unknown(Variable(source.path, unit, about=source.port.about, shown=shown))
         for name in names:
             flat.outputs[name] = (Variable(name, unit, about=source.port.about, shown=shown), symbol)
     else:
-        port = node[0].port
+        port = ends[0].port
         assert isinstance(port, SignalIn)
         unit = port.unit
         low, high = port.minimum, port.maximum
         variable = Variable(names[0], unit, minimum=low, maximum=high, about=port.about, shown=port.shown)
         symbol = ca.SX.sym(names[0])
         flat.inputs[names[0]] = (variable, symbol)
-    for handle in node:
-        assert isinstance(handle.port, (SignalIn, SignalOut))
-        factor = UNITS[unit].factor / UNITS[handle.port.unit].factor
-        signals[handle.path] = symbol * factor if factor != 1.0 else symbol
-        if handle is not source:
-            flat.observables[handle.path] = (Variable(handle.path, handle.port.unit), signals[handle.path])
+    for end in ends:
+        assert isinstance(end.port, (SignalIn, SignalOut))
+        factor = UNITS[unit].factor / UNITS[end.port.unit].factor
+        signals[end.path] = symbol * factor if factor != 1.0 else symbol
+        if end is not source:
+            flat.observables[end.path] = (Variable(end.path, end.port.unit), signals[end.path])
 
 
-def _parameter_symbols(flat: Flat, diagram: Diagram, path: str, component: Any) -> dict[str, Any]:
+def _parameter_symbols(flat: Flat, whole: Net, path: str, component: Any) -> dict[str, Any]:
     """Symbols for the parameters of a component; a shared one left to the diagram is one symbol for all."""
     symbols: dict[str, Any] = {}
     for name, (declaration, quantity) in type(component).declarations.items():
@@ -272,8 +258,9 @@ def _parameter_symbols(flat: Flat, diagram: Diagram, path: str, component: Any) 
         default = shared_default(component, name) if declaration.role == "shared" else None
         full, value = f"{path}.{name}", getattr(component, name)
         if default is not None:
-            full, value = name, diagram.shared.get(name, default)
-            problem = check_value(f"{diagram.name}.{name}", value, declaration, quantity)
+            scope = _scope(whole, path, name)
+            full, value = ".".join(filter(None, (scope, name))), whole.shared[scope].get(name, default)
+            problem = check_value(f"{whole.name}.{full}", value, declaration, quantity)
             if problem:
                 raise StructureError(problem)
         if full not in flat.parameters:
@@ -285,3 +272,12 @@ def _parameter_symbols(flat: Flat, diagram: Diagram, path: str, component: Any) 
             flat.parameters[full] = (variable, ca.SX.sym(full))
         symbols[name] = flat.parameters[full][1]
     return symbols
+
+
+def _scope(whole: Net, path: str, name: str) -> str:
+    """The innermost diagram around a component that gives a value to a shared parameter; the outermost if none does."""
+    while path:
+        path = path.rpartition(".")[0]
+        if name in whole.shared.get(path, {}):
+            break
+    return path

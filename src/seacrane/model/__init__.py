@@ -10,10 +10,12 @@ from .compare import Comparison, compare
 from .component import REGISTRY, Component, initial, option, parameter, shared
 from .dae import Dae, Variable
 from .diagram import Diagram, Part, PortHandle
+from .linear import Linearised, Mode, linearise
 from .native import NativeInstance, NativeModel, build
 from .ports import Hydraulic, Rotational, SignalIn, SignalOut, Translational
 from .simulate import SOLVERS, Run, simulate
 from .solvers import RODAS4, ExplicitEuler, ImplicitEuler, RungeKutta4, RunStatistics
+from .sweep import Sweep, sweep
 from .structure import BondGraph, Symbol
 
 __all__ = [
@@ -31,6 +33,8 @@ __all__ = [
     "ExplicitEuler",
     "Hydraulic",
     "ImplicitEuler",
+    "Linearised",
+    "Mode",
     "NativeInstance",
     "NativeModel",
     "Part",
@@ -43,13 +47,16 @@ __all__ = [
     "SignalIn",
     "SignalOut",
     "Symbol",
+    "Sweep",
     "Translational",
     "Variable",
     "build",
     "compare",
     "initial",
+    "linearise",
     "option",
     "parameter",
     "shared",
     "simulate",
+    "sweep",
 ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -64,6 +64,33 @@ def overlay(name: str, runs: Mapping[str, Recording], reference: Recording, unit
     for ax in (above, below):
         ax.grid(True, alpha=0.3)
     above.legend(loc="best", fontsize="small")
+    return figure
+
+
+def family(
+    name: str,
+    runs: Sequence[Recording],
+    values: Sequence[float],
+    parameter: str,
+    parameter_unit: str,
+    parameter_shown: str,
+    unit: str | None = None,
+) -> Figure:
+    """One signal of runs that differ in a parameter, the colour following its value."""
+    from matplotlib import colormaps
+    from matplotlib.figure import Figure
+
+    shown = unit or runs[0].signal(name).display
+    factor = units.convert(1.0, runs[0].signal(name).unit, shown, name)
+    figure = Figure(figsize=(9.0, 4.5), layout="constrained")
+    ax = figure.subplots()
+    for i, (run, value) in enumerate(zip(runs, values, strict=True)):
+        label = f"{units.convert(value, parameter_unit, parameter_shown, parameter):g} {parameter_shown}"
+        ax.plot(run.time, factor * run[name], color=colormaps["viridis"](i / max(1, len(runs) - 1)), label=label)
+    ax.set_xlabel("time [s]")
+    ax.set_ylabel(f"{name} [{shown}]")
+    ax.grid(True, alpha=0.3)
+    ax.legend(loc="best", fontsize="small", title=parameter)
     return figure
 
 

@@ -16,6 +16,7 @@ from .flow_control import Filter, FlowDivider, PressureCompensator, ShuttleValve
 from .motors import HydraulicMotor, VariableHydraulicMotor
 from .orifices import Orifice, VariableOrifice
 from .pipes import Hose, Pipe
+from .power_unit import power_unit
 from .pumps import (
     ConstantFlowPump,
     ConstantPressurePump,
@@ -74,4 +75,5 @@ __all__ = [
     "VariableHydraulicMotor",
     "VariableOrifice",
     "Volume",
+    "power_unit",
 ]

@@ -233,5 +233,5 @@ def _roughness_problem(pipe: Component, roughness: Ratio, diameter: Diameter) ->
     if roughness > 0.05 * diameter:
         allowed = f"at most {0.05 * diameter / mm:g} mm, 5 % of the diameter"
         yield Problem(
-            f"{type(pipe).__name__}.roughness", "leaves the range of the law", f"{roughness / mm:g} mm", allowed
+            f"{type(pipe).__name__}.roughness", f"{roughness / mm:g} mm leaves the range of the law", allowed=allowed
         )

@@ -15,7 +15,7 @@ from .simulate import Inputs, Model, Run, compiled, simulate, solver_of
 from .solvers import Progress, Solver
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from seacrane.results import Figure
 
 TIGHT = 1e-10
 """Relative tolerance of a reference that is computed."""

@@ -24,7 +24,7 @@ from .dae import Dae, Variable
 from .simulate import Model, compiled
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from seacrane.results import Figure
 
 Reals = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -99,7 +99,7 @@ class Linearised:
         return result
 
     def bode(self, source: str, *outputs: str, frequency: ArrayLike | None = None) -> Figure:
-        """Magnitude and phase from one input to outputs (default: all) over `frequency` [Hz] (default: around the modes)."""
+        """Magnitude and phase from one input to outputs (all by default) over `frequency` [Hz] (around the modes)."""
         if frequency is None:
             seen = [m.natural_frequency for m in self.modes() if m.natural_frequency > 1e-6] or [1.0]
             frequency = np.geomspace(min(seen) / 10, max(seen) * 10, 1000)

@@ -16,7 +16,7 @@ from .dae import Variable
 from .simulate import Model, Run, compiled, simulate
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from seacrane.results import Figure
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,6 +17,7 @@ from .simulate import SOLVERS, Run, simulate
 from .solvers import RODAS4, ExplicitEuler, ImplicitEuler, RungeKutta4, RunStatistics
 from .sweep import Sweep, sweep
 from .structure import BondGraph, Symbol
+from .trim import Trim, trim
 
 __all__ = [
     "BDF",
@@ -49,6 +50,7 @@ __all__ = [
     "Symbol",
     "Sweep",
     "Translational",
+    "Trim",
     "Variable",
     "build",
     "compare",
@@ -59,4 +61,5 @@ __all__ = [
     "shared",
     "simulate",
     "sweep",
+    "trim",
 ]

@@ -75,6 +75,12 @@ class StructureError(SeacraneError):
     code = "structure"
 
 
+class ModelFileError(SeacraneError):
+    """A model file does not describe a diagram."""
+
+    code = "model-file"
+
+
 class CompileError(SeacraneError):
     """The C compiler is missing or refused the generated code."""
 

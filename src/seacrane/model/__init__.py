@@ -11,6 +11,7 @@ from .component import REGISTRY, Component, initial, option, parameter, shared
 from .dae import Dae, Variable
 from .diagram import Diagram, Part, PortHandle
 from .linear import Linearised, Mode, linearise
+from .files import load, save
 from .native import NativeInstance, NativeModel, build
 from .ports import Hydraulic, Rotational, SignalIn, SignalOut, Translational
 from .simulate import SOLVERS, Run, simulate
@@ -55,9 +56,11 @@ __all__ = [
     "build",
     "compare",
     "initial",
+    "load",
     "linearise",
     "option",
     "parameter",
+    "save",
     "shared",
     "simulate",
     "sweep",

@@ -128,7 +128,8 @@ class Ramp(_Keeping):
 class RecordedInput(_Keeping):
     """A recorded signal: y is the line through `points`, pairs (time [s], value), constant before and after.
 
-    A jump is two points a little apart in time. Meant for tens to hundreds of points: each is part of the equations.
+    A jump is two points a little apart in time. An axis of a recorded joystick has values in [-1, 1]. Meant for tens to
+    hundreds of points: each is part of the equations.
     """
 
     points: Points = option("pairs (time, value), times strictly rising")

@@ -170,6 +170,26 @@ def test_the_mains_pay_for_the_oil_the_heat_and_the_flywheel():
     assert power("supplied")[-1] > delivered[-1] > 0.7 * power("supplied")[-1]
 
 
+def test_a_power_unit_placed_in_a_circuit_feeds_it():
+    """A variable motor turns a flywheel, fed by the unit through its outlet: the flow is what the motor takes."""
+    circuit = Diagram("circuit")
+    supply = circuit.add("supply", unit())
+    motor = circuit.add("motor", hyd.VariableHydraulicMotor(displacement=200 * cm3_rev))
+    wheel = circuit.add("wheel", mec.Inertia(inertia=2.0))
+    bearing = circuit.add("bearing", mec.RotationalFriction(viscous=5.0, coulomb=10.0))
+    line = circuit.add("line", hyd.ControlVolume(volume=2e-3))
+    tank = circuit.add("tank", hyd.Tank())
+    circuit.connect(supply.p, line.a, motor.a)
+    circuit.connect(motor.b, tank.p)
+    circuit.connect(motor.shaft, wheel.flange, bearing.flange)
+    circuit.expose(r=motor.r)
+    run = simulate(circuit, 6.0, every=0.01, inputs={"r": 0.5})
+    speed = run["wheel.speed"][-1]
+    assert run["motor.a.q"][-1] == pytest.approx(0.5 * 200 * cm3_rev * speed)
+    assert -run["supply.pump.p.q"][-1] == pytest.approx(run["motor.a.q"][-1], rel=0.02)
+    assert run["motor.torque"][-1] == pytest.approx(5.0 * speed + 10.0, rel=0.05)
+
+
 def test_a_power_unit_without_power_is_refused():
     with pytest.raises(ParameterError) as caught:
         unit(power=0.0)

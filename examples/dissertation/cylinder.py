@@ -65,15 +65,21 @@ def cylinder(d: Drive, level: str = "extended") -> hyd.DoubleActingCylinder:
     )
 
 
-def add_circuit(drive: Diagram, d: Drive, level: str = "extended") -> tuple[Part, Part]:
-    """Pump, tank, 4/3 valve, two lines and the cylinder, joined; gives the valve and the cylinder."""
-    pump = drive.add("pump", hyd.ConstantPressurePump(pressure=d.supply))
+def add_circuit(drive: Diagram, d: Drive, level: str = "extended", *, own_pump: bool = True) -> tuple[Part, Part]:
+    """Pump, tank, 4/3 valve, two lines and the cylinder, joined; gives the valve and the cylinder.
+
+    Without a pump of its own the port `supply` is exposed.
+    """
     tank = drive.add("tank", hyd.Tank())
     valve = drive.add(
         "valve", hyd.DirectionalValve43(level="dynamic", flow=400 * l_min, at=35 * bar, natural_frequency=60.0)
     )
     part = drive.add("cylinder", cylinder(d, level))
-    drive.connect(pump.p, valve.p)
+    if own_pump:
+        pump = drive.add("pump", hyd.ConstantPressurePump(pressure=d.supply))
+        drive.connect(pump.p, valve.p)
+    else:
+        drive.expose(supply=valve.p)
     drive.connect(tank.p, valve.t)
     for side, port, start in (("a", valve.a, d.weight / d.piston_area), ("b", valve.b, 0.0)):
         line = drive.add(f"line_{side}", hyd.ControlVolume(volume=1 * l, pressure=start))
@@ -99,6 +105,8 @@ def controlled(
     d: Drive | None = None,
     sine: Sine | None = None,
     gains: Gains | None = None,
+    *,
+    own_pump: bool = True,
     **shared: float,
 ) -> Diagram:
     """The drive with its load on the rod, and a controller that makes the piston follow a sine.
@@ -107,7 +115,7 @@ def controlled(
     """
     d, sine, g = d or Drive(), sine or Sine(), gains or Gains()
     drive = Diagram(f"{level}_drive", **{"bulk_modulus": 1.0e9, **shared})
-    valve, part = add_circuit(drive, d, level)
+    valve, part = add_circuit(drive, d, level, own_pump=own_pump)
     mass = drive.add("mass", mech.Mass(mass=d.load, gravity=GRAVITY))
     probe = drive.add("probe", mech.ForceInput(position=d.start))  # without force: it measures
     nothing = drive.add("nothing", sig.Constant(value=0.0, unit="N"))

@@ -1,4 +1,4 @@
-"""The extended cylinder drive against an independent monolithic solution: its laws written out anew, solved by scipy."""
+"""The extended cylinder drive against an independent solution: its laws written out anew and solved whole by scipy."""
 
 import importlib
 import sys

@@ -5,6 +5,7 @@ from math import exp, log
 import numpy as np
 import pytest
 
+from seacrane import fmi
 from seacrane.errors import ParameterError
 from seacrane.library import hydraulics as hyd
 from seacrane.library.hydraulics import nitrogen
@@ -191,3 +192,39 @@ def test_a_wide_column_is_an_open_tank(law):
     tank = law(hyd.Volume(level="open-tank", pressure=2 * bar), {"a.q": 0.1}, through=("a",))
     assert column["a.p"] == pytest.approx(tank["a.p"]) == pytest.approx(2 * bar)
     assert column["der(height)"] < 1e-4
+
+
+# ---------------------------------------------------------------- heave
+def test_gas_that_swings_at_its_own_time_constant_turns_work_into_heat():
+    """Over a closed cycle the oil gives less work than it took; far faster or slower cycles lose hardly anything."""
+
+    def lost_share(period):
+        diagram = Diagram("heave")
+        part = diagram.add("part", accumulator("real-gas", oil=15 * l, time_constant=5.0))
+        source = diagram.add("source", hyd.FlowInput())
+        diagram.connect(source.p, part.a)
+        diagram.expose(q=source.set)
+        times = np.linspace(0.0, 20 * period, 4001)
+        flow = 10 * l * np.pi / period * np.sin(2 * np.pi * times / period)
+        run = simulate(diagram, 20 * period, every=period / 200, inputs={"q": (times, flow)}, linear=True)
+        last = run.time >= 19 * period - 1e-9
+        power = (run["part.a.p"] * run["part.a.q"])[last]
+        return np.trapezoid(power, run.time[last]) / (np.trapezoid(abs(power), run.time[last]) / 2)
+
+    near, fast, slow = (lost_share(2 * np.pi * 5.0 * factor) for factor in (1.0, 0.01, 100.0))
+    assert near > 0.05
+    assert 0 < fast < near / 5
+    assert 0 < slow < near / 5
+
+
+def test_a_temperature_keeps_its_unit_in_an_fmu(tmp_path):
+    diagram = Diagram("gas")
+    part = diagram.add("part", accumulator("real-gas"))
+    source = diagram.add("source", hyd.FlowInput())
+    diagram.connect(source.p, part.a)
+    diagram.expose(q=source.set)
+    fmi.export(diagram, tmp_path / "gas.fmu")
+    assert fmi.check(tmp_path / "gas.fmu") == []
+    description = fmi.read(tmp_path / "gas.fmu")
+    (kelvin,) = [unit for unit in description.units if unit.name == "K"]
+    assert {base: n for base, n in kelvin.exponents.items() if n} == {"K": 1}

@@ -18,6 +18,7 @@ from .ports import Port, PowerPort, SignalIn, SignalOut
 
 if TYPE_CHECKING:
     from .bondgraph import SystemBondGraph
+    from .printing import PrintedEquations
 
 
 class PortHandle:
@@ -144,6 +145,12 @@ class Diagram:
         from .net import net
 
         return icons_svg(net(self))
+
+    def equations(self) -> PrintedEquations:
+        """The laws of all components as they are solved, to be read: `str()` for text, `.latex()` for LaTeX."""
+        from .printing import printed_equations
+
+        return printed_equations(self)
 
     def sources(self) -> tuple[str, ...]:
         """Where the laws of exactly these components, at these levels, come from; each once, in order of use."""

@@ -34,7 +34,8 @@ def described(component: type[Component]) -> str:
     ]
     for level, cls in getattr(component, "levels", {}).items():
         own = [key for key in cls.declarations if key not in component.declarations]
-        parts += [f"**Level `{level}`.** {inspect.getdoc(cls)}", parameters(cls, own)]
+        other_ports = ports(cls) if cls.ports != component.ports else ""
+        parts += [f"**Level `{level}`.** {inspect.getdoc(cls)}", other_ports, parameters(cls, own)]
     return "\n\n".join(part for part in parts if part)
 
 

@@ -1,4 +1,4 @@
-"""Export of a model as an FMI 2.0 FMU for co-simulation on this platform."""
+"""Export of a model as an FMI 2.0 FMU for co-simulation and model exchange on this platform."""
 
 from __future__ import annotations
 
@@ -98,13 +98,18 @@ def describe(native: NativeModel, identifier: str) -> str:
     index = {e.variable.name: i for i, e in enumerate(entries, start=1)}
     naming = "structured" if all(is_structured(name) for name in index) else "flat"
     about = f" description={quoteattr(native.dae.about)}" if native.dae.about else ""
+    able = (
+        'canNotUseMemoryManagementFunctions="true" canGetAndSetFMUstate="true" canSerializeFMUstate="true"'
+        ' providesDirectionalDerivative="true"'
+    )
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<fmiModelDescription fmiVersion="2.0" modelName={quoteattr(native.name)} guid="{native.guid}"{about}'
-        f' generationTool="seacrane {seacrane.__version__}" variableNamingConvention="{naming}">',
+        f' generationTool="seacrane {seacrane.__version__}" variableNamingConvention="{naming}"'
+        ' numberOfEventIndicators="0">',
+        f'  <ModelExchange modelIdentifier="{identifier}" completedIntegratorStepNotNeeded="true" {able}/>',
         f'  <CoSimulation modelIdentifier="{identifier}" canHandleVariableCommunicationStepSize="true"'
-        ' canInterpolateInputs="true" canNotUseMemoryManagementFunctions="true" canGetAndSetFMUstate="true"'
-        ' canSerializeFMUstate="true" providesDirectionalDerivative="true"/>',
+        f' canInterpolateInputs="true" maxOutputDerivativeOrder="1" {able}/>',
         *_units([e.variable for e in entries]),
         '  <DefaultExperiment startTime="0" stopTime="10" tolerance="1e-05"/>',
         "  <ModelVariables>",

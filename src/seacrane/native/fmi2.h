@@ -1,20 +1,12 @@
-/* The part of the Functional Mock-up Interface 2.0 that a co-simulation slave provides (FMI 2.0.4, sections 2.1 and
-   4.2). With SEACRANE_OFFICIAL_FMI_HEADERS the standard's own headers take its place; a test compiles against both, so
+/* The types of the Functional Mock-up Interface 2.0 (FMI 2.0.4, sections 2.1, 3.2 and 4.2). With SEACRANE_OFFICIAL_FMI_HEADERS the standard's own headers take its place; a test compiles against both, so
    that they cannot drift apart. */
 #ifndef SEACRANE_FMI2_H
 #define SEACRANE_FMI2_H
 
 #ifdef SEACRANE_OFFICIAL_FMI_HEADERS
 #include "fmi2Functions.h"
-#define EXPORT FMI2_Export
 #else
 #include <stddef.h>
-
-#ifdef _WIN32
-#define EXPORT __declspec(dllexport)
-#else
-#define EXPORT __attribute__((visibility("default")))
-#endif
 
 #define fmi2True 1
 #define fmi2False 0
@@ -37,6 +29,11 @@ typedef struct {
     void (*stepFinished)(fmi2ComponentEnvironment, fmi2Status);
     fmi2ComponentEnvironment componentEnvironment;
 } fmi2CallbackFunctions;
+typedef struct {
+    fmi2Boolean newDiscreteStatesNeeded, terminateSimulation, nominalsOfContinuousStatesChanged,
+        valuesOfContinuousStatesChanged, nextEventTimeDefined;
+    fmi2Real nextEventTime;
+} fmi2EventInfo;
 #endif
 
 #endif

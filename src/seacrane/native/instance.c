@@ -9,7 +9,8 @@
 #define FIRST_STEP 1e-4       /* [s] where the step size control starts; it adapts by itself from there */
 #define DEFAULT_TOLERANCE 1e-5 /* relative; see also seacrane.model.codegen, which tells the user */
 
-struct instance *instance_new(const char *name)
+/* An instance for co-simulation, or for model exchange. */
+struct instance *instance_new(const char *name, int exchange)
 {
     struct instance *m = calloc(1, sizeof *m);
     size_t length = strlen(name) + 1;
@@ -29,6 +30,8 @@ struct instance *instance_new(const char *name)
     m->base[DERIVATIVE] = m->derivative;
     m->base[OUTPUT] = m->output;
     m->base[OBSERVABLE] = m->observable;
+    m->base[TIME] = &m->state.time;
+    m->state.exchange = exchange;
     instance_reset(m);
     return m;
 }
@@ -44,7 +47,9 @@ void instance_free(struct instance *m)
 void instance_reset(struct instance *m)
 {
     struct state *s = &m->state;
+    int32_t exchange = s->exchange;
     memset(s, 0, sizeof *s);
+    s->exchange = exchange;
     s->magic = STATE_MAGIC;
     s->version = STATE_VERSION;
     s->size = (uint32_t)sizeof *s;
@@ -60,16 +65,26 @@ void instance_reset(struct instance *m)
     changed(m);
 }
 
-/* Takes over a saved state if it is one of this model; otherwise nothing happens but the message. */
-int instance_restore(struct instance *m, const struct state *saved)
+/* Whether a saved state is one of this model, 1 if so; the message says why not. */
+int instance_accepts(struct instance *m, const struct state *saved)
 {
     const struct state *s = &m->state;
     if (saved->magic != STATE_MAGIC)
-        return fail(m, "these bytes are not the state of a model");
+        return !fail(m, "these bytes are not the state of a model");
     if (saved->version != STATE_VERSION)
-        return fail(m, "the state has format version %u; this model reads version %u", saved->version, STATE_VERSION);
+        return !fail(m, "the state has format version %u; this model reads version %u", saved->version, STATE_VERSION);
     if (memcmp(saved->model, s->model, sizeof s->model) != 0 || saved->size != s->size)
-        return fail(m, "the state belongs to another model, or to another version of this one");
+        return !fail(m, "the state belongs to another model, or to another version of this one");
+    if (saved->exchange != s->exchange)
+        return !fail(m, "the state is one of an instance for %s", saved->exchange ? "model exchange" : "co-simulation");
+    return 1;
+}
+
+/* Takes over a saved state if it is one of this model; otherwise nothing happens but the message. */
+int instance_restore(struct instance *m, const struct state *saved)
+{
+    if (!instance_accepts(m, saved))
+        return 1;
     memcpy(&m->state, saved, sizeof *saved);
     m->fresh = 0;
     return 0;

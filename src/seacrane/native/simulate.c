@@ -2,8 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core.h"
-#include "fmi2.h"
+#include "interface.h"
 
 struct samples {            /* inputs over time */
     size_t inputs, count;   /* number of inputs, number of sample times */
@@ -42,29 +41,29 @@ EXPORT int seacrane_simulate(struct instance *m, size_t count, const double *tim
     *done = 0;
     if (m->state.phase != STEPPING) {
         fail(m, "the model must be initialized before it is simulated");
-        return fmi2Error;
+        return FAILED;
     }
     while (next < inputs->count && inputs->time[next] <= m->state.time)
         next++;
     if (apply(m, inputs, next, m->state.time) != 0)
-        return fmi2Error;
+        return FAILED;
     for (size_t row = 0; row < count; row++) {
         while (m->state.time < times[row]) {
             int at_sample = next < inputs->count && inputs->time[next] <= times[row];
             if (integrate(m, at_sample ? inputs->time[next] : times[row]) != 0)
-                return fmi2Discard;
+                return DISCARDED;
             if (at_sample) {
                 while (next < inputs->count && inputs->time[next] <= m->state.time)
                     next++;
                 if (apply(m, inputs, next, m->state.time) != 0)
-                    return fmi2Error;
+                    return FAILED;
             }
         }
         if (get_values(m, reference, outputs, result + row * outputs) != 0)
-            return fmi2Error;
+            return FAILED;
         *done = row + 1;
     }
-    return fmi2OK;
+    return DONE;
 }
 
 /* From now on explicit steps: Euler's method (order 1) or Runge-Kutta (order 4); order 0 goes back to the settings. */
@@ -97,7 +96,7 @@ EXPORT void seacrane_save(const struct instance *m, void *bytes)
 
 EXPORT int seacrane_restore(struct instance *m, const void *bytes)
 {
-    return instance_restore(m, bytes) == 0 ? fmi2OK : fmi2Error;
+    return instance_restore(m, bytes) == 0 ? DONE : FAILED;
 }
 
 /* Accepted steps, rejected steps, evaluations of f, Jacobians, factorisations since instantiation or reset. */

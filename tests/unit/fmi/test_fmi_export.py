@@ -35,22 +35,25 @@ def test_the_fmu_of_a_model_without_states_or_inputs_is_valid(tmp_path: Path) ->
     assert validate_fmu(str(path)) == [] == fmi.check(path)
 
 
-def test_another_importer_gets_the_numbers_that_we_get(piston_fmu: Path, cylinder: Dae) -> None:
+@pytest.mark.parametrize("kind", ["CoSimulation", "ModelExchange"])
+def test_another_importer_gets_the_numbers_that_we_get(piston_fmu: Path, cylinder: Dae, kind: str) -> None:
     outputs = ["force", "flow", "piston.x", "power"]
     theirs = fmpy.simulate_fmu(
         str(piston_fmu),
+        fmi_type=kind,
         stop_time=1.0,
         output_interval=0.01,
         start_values={"spool": 0.5, "mass": 800.0},
         output=outputs,
-        relative_tolerance=1e-6,
+        relative_tolerance=1e-9,
     )
     with build(cylinder).instantiate() as run:
-        run.set(["spool", "mass", "solver.tolerance"], [0.5, 800.0, 1e-6])
+        run.set(["spool", "mass", "solver.tolerance"], [0.5, 800.0, 1e-9])
         run.initialize(0.0)
         ours = run.simulate(theirs["time"], outputs)
     for i, name in enumerate(outputs):
-        assert ours[:, i] == pytest.approx(theirs[name], rel=1e-9), name
+        largest = np.abs(ours[:, i]).max()
+        assert ours[:, i] == pytest.approx(theirs[name], rel=1e-6, abs=1e-6 * largest), name
     assert np.ptp(ours[:, 2]) > 1e-3
 
 
@@ -175,19 +178,12 @@ def test_the_core_compiles_without_a_warning(sources: Path) -> None:
 def test_our_declarations_agree_with_the_headers_of_the_standard(sources: Path) -> None:
     official = Path(fmpy.__file__).parent / "c-code"
     command = [*compiler(), *FLAGS, *STRICT, "-DSEACRANE_OFFICIAL_FMI_HEADERS", f"-I{official}"]
-    for unit in ("fmi2.c", "simulate.c"):
-        done = subprocess.run([*command, sources / unit], capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stderr
+    done = subprocess.run([*command, sources / "fmi2.c"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
     ours = (sources / "fmi2.c").read_text()
     declared = [line.split() for line in (official / "fmi2Functions.h").read_text().splitlines()]
     names = {words[2].rstrip(";") for words in declared if words[:1] == ["FMI2_Export"]}
-    exchange = {
-        "fmi2EnterEventMode", "fmi2NewDiscreteStates", "fmi2EnterContinuousTimeMode", "fmi2CompletedIntegratorStep",
-        "fmi2SetTime", "fmi2SetContinuousStates", "fmi2GetDerivatives", "fmi2GetEventIndicators",
-        "fmi2GetContinuousStates", "fmi2GetNominalsOfContinuousStates",
-    }  # fmt: skip
-    assert exchange < names
-    assert {n for n in names - exchange if f" {n}(" not in ours.replace("*", " ")} == set()
+    assert {n for n in names if f" {n}(" not in ours.replace("*", " ")} == set()
 
 
 def test_a_diagram_is_exported_with_its_exposed_names(tmp_path: Path) -> None:

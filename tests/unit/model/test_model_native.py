@@ -143,7 +143,7 @@ def test_states_are_set_before_initialization_and_results_never(model: NativeMod
 
 def test_calls_out_of_order_are_refused(model: NativeModel) -> None:
     with model.instantiate() as run:
-        with pytest.raises(SolveError, match="fmi2DoStep must not be called after fmi2Instantiate"):
+        with pytest.raises(SolveError, match="fmi2DoStep must not be called before initialization"):
             run.step(0.0, 0.1)
         run.initialize(0.0)
         with pytest.raises(SolveError, match="fmi2SetupExperiment must not be called in step mode"):

@@ -158,3 +158,25 @@ def test_a_rough_wall_beyond_the_law_and_a_line_without_segments_are_refused():
         "LinePipe.roughness: 2 mm leaves the range of the law; allowed: at most 1 mm, 5 % of the diameter\n"
         "LinePipe.segments: is no number of segments (got 0); allowed: a whole number from 1 to 50"
     )
+
+
+@pytest.mark.parametrize("diameter", [5 * mm, 20 * mm])
+def test_two_volumes_even_out_through_the_resistance_of_a_pipe(diameter):
+    """Laminar (5 mm) with the time constant of a resistance and two stores; turbulent (20 mm) at the start."""
+    diagram = Diagram("evening", **OIL)
+    pipe = diagram.add("pipe", hyd.Pipe(level="resistance", length=10.0, diameter=diameter))
+    for end, pressure in (("a", 60 * bar), ("b", 40 * bar)):
+        room = diagram.add(f"room_{end}", hyd.ControlVolume(volume=5e-2, pressure=pressure))
+        diagram.connect(room.a, getattr(pipe, end))
+    resistance = 128 * 46e-6 * 870 * 10.0 / (pi * diameter**4)
+    time = resistance * 5e-2 / 1.2e9 / 2
+    run = simulate(diagram, max(5 * time, 0.5), every=max(time / 50, 1e-3))
+    drop = run["room_a.pressure"] - run["room_b.pressure"]
+    assert run["room_a.pressure"] + run["room_b.pressure"] == pytest.approx(100 * bar, rel=1e-6)
+    if diameter == 5 * mm:
+        assert abs(run["pipe.reynolds"]).max() < 2300
+        assert drop == pytest.approx(20 * bar * np.exp(-run.time / time), abs=0.01 * bar)
+    else:
+        assert run["pipe.reynolds"].max() > 4000
+        assert (np.diff(drop) < 0)[drop[1:] > 0.1 * bar].all()
+        assert drop[-1] < 0.2 * bar

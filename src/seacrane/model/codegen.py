@@ -22,8 +22,8 @@ from seacrane.native import source
 from seacrane.units import UNITS, Unit
 
 CORE = source(
-    "model.h", "core.h", "interface.h", "fmi2.h", "linear.c", "instance.c", "evaluate.c", "values.c", "newton.c",
-    "integrate.c", "explicit.c", "simulate.c", "interface.c", "fmi2.c",
+    "model.h", "core.h", "fmi2.h", "linear.c", "instance.c", "evaluate.c", "values.c", "newton.c", "integrate.c",
+    "explicit.c", "simulate.c", "fmi2.c",
 )  # fmt: skip
 """The C files that every model is compiled with."""
 
@@ -48,12 +48,11 @@ class Entry:
 
 @dataclass(frozen=True)
 class Generated:
-    """A model as C: all files (the core included), its variables, the GUID made from all of that, and the time."""
+    """A model as C: all files (the core included), its variables, and the GUID made from all of that."""
 
     sources: dict[str, str]
     entries: tuple[Entry, ...]
     guid: str
-    time: Entry
 
 
 def derivative_of(state: Variable) -> Variable:
@@ -90,9 +89,9 @@ def _fnv1a(text: str) -> int:
 def generate(dae: Dae) -> Generated:
     """The C of a model. Raises `StructureError` if a start value is not finite or a nominal value not positive."""
     _check(dae)
-    *entries, time = _entries(dae)
+    entries = _entries(dae)
     functions, sizes = _functions(dae)
-    tables = _tables(dae, [*entries, time], sizes)
+    tables = _tables(dae, entries, sizes)
     digest = hashlib.sha256(json.dumps([functions, tables, CORE], sort_keys=True).encode()).hexdigest()
     guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
     numbers = {
@@ -109,7 +108,7 @@ def generate(dae: Dae) -> Generated:
     bytes_of_hash = ", ".join(f"0x{digest[i : i + 2]}" for i in range(0, 32, 2))
     tables += f"const unsigned char model_hash[16] = {{{bytes_of_hash}}};\n"
     sources = {**CORE, "model_size.h": header, "model_tables.c": tables, "model_functions.c": functions}
-    return Generated(sources, tuple(entries), guid, time)
+    return Generated(sources, entries, guid)
 
 
 def _check(dae: Dae) -> None:
@@ -142,20 +141,11 @@ def _entries(dae: Dae) -> tuple[Entry, ...]:
         ("DERIVATIVE", [derivative_of(v) for v in dae.states]),
         ("ALGEBRAIC", dae.algebraics),
         ("OBSERVABLE", dae.observables),
-        ("TIME", [_independent(dae)]),
     )
     references = value_references(v.name for _, variables in groups for v in variables)
     return tuple(
         Entry(v, kind, i, references[v.name]) for kind, variables in groups for i, v in enumerate(variables)
     )  # fmt: skip
-
-
-def _independent(dae: Dae) -> Variable:
-    """The time as a variable; if a variable of the model is called that, under a name that is free."""
-    name = "time"
-    while name in {v.name for v in dae.variables}:
-        name += "_"
-    return Variable(name, "s", about="simulated time")
 
 
 def _functions(dae: Dae) -> tuple[str, dict[str, Any]]:
@@ -198,9 +188,31 @@ def _functions(dae: Dae) -> tuple[str, dict[str, Any]]:
         "WORK_RES": max(g.sz_res() for g in functions),
         "WORK_REAL": max(1, *(g.sz_w() for g in functions)),
         "WORK_INT": max(1, *(g.sz_iw() for g in functions)),
+        "place": _places(y.numel(), jacobian.sparsity().row(), jacobian.sparsity().get_col()),
         "pattern": (jacobian.sparsity().row(), jacobian.sparsity().get_col()),
         "pattern_alg": (jacobian_alg.sparsity().row(), jacobian_alg.sparsity().get_col()),
     }
+
+
+def _places(size: int, rows: Sequence[int], columns: Sequence[int]) -> list[int]:
+    """The place of each unknown in an order of elimination that keeps the factors sparse: least degree first.
+
+    (A. George and J. W. H. Liu, The evolution of the minimum degree ordering algorithm, SIAM Review 31, 1989.)
+    """
+    near: dict[int, set[int]] = {i: set() for i in range(size)}
+    for i, j in zip(rows, columns, strict=True):
+        if i != j:
+            near[i].add(j)
+            near[j].add(i)
+    places = [0] * size
+    for place in range(size):
+        chosen = min(near, key=lambda i: (len(near[i]), i))
+        places[chosen] = place
+        around = near.pop(chosen)
+        for i in around:
+            near[i] |= around
+            near[i] -= {i, chosen}
+    return places
 
 
 def _function(name: str, inputs: list[Any], outputs: list[Any]) -> Any:
@@ -224,6 +236,7 @@ def _tables(dae: Dae, entries: Sequence[Entry], sizes: dict[str, Any]) -> str:
         ("maximum_p", "NP", [v.maximum for v in dae.parameters]),
     )
     lines += [f"const double model_{name}[ROOM({size})] = {{{_reals(values)}}};" for name, size, values in reals]
+    lines.append(f"const int model_place[ROOM(N)] = {{{', '.join(map(str, sizes['place'])) or '0'}}};")
     for suffix, size, key in (("", "NNZ", "pattern"), ("_alg", "NNZ_ALG", "pattern_alg")):
         for name, indices in zip(("row", "column"), sizes[key], strict=True):
             lines.append(f"const int model_{name}{suffix}[ROOM({size})] = {{{', '.join(map(str, indices)) or '0'}}};")

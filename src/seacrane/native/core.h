@@ -9,11 +9,10 @@
 
 #include "model.h"
 
-/* STEPPING is for co-simulation; EVENT and CONTINUOUS are its place in model exchange. */
-enum phase { INSTANTIATED, INITIALIZING, STEPPING, TERMINATED, EVENT, CONTINUOUS };
+enum phase { INSTANTIATED, INITIALIZING, STEPPING, TERMINATED };
 
 #define STATE_MAGIC 0x52434153u /* "SACR" */
-#define STATE_VERSION 2u
+#define STATE_VERSION 1u
 
 struct state {
     uint32_t magic, version, size, unused; /* these and the hash tell whose state this is */
@@ -24,20 +23,26 @@ struct state {
     double slope[ROOM(NU)];           /* their time derivatives, until they are set again */
     double p[ROOM(NP)];
     double setting[NSETTINGS];
-    int32_t phase, sloped, consistent; /* consistent: z solves the algebraic equations */
-    int32_t exchange;                  /* an instance for model exchange: integrated by the environment */
+    int32_t phase, sloped, consistent, unused_too; /* consistent: z solves the algebraic equations */
 };
 
 struct statistics {
     uint64_t steps, rejected, residuals, jacobians, factorizations;
 };
 
+#define DENSE_UP_TO 24 /* unknowns: below it, looking for zeros costs more than computing with them */
+
+struct factors { /* row i of L is value[lower[i]...upper[i]), of U without its diagonal value[upper[i]...lower[i + 1]) */
+    int lower[ROOM(N) + 1], upper[ROOM(N)], column[ROOM(N) * ROOM(N)];
+    double value[ROOM(N) * ROOM(N)], reciprocal[ROOM(N)];
+};
+
 struct workspace {
-    double jacobian[ROOM(N) * ROOM(N)], matrix[ROOM(N) * ROOM(N)]; /* row-major */
+    double matrix[ROOM(N) * ROOM(N)]; /* row-major, in the order of elimination */
+    struct factors factors;
     double f[ROOM(N)], ft[ROOM(N)], stage[6][ROOM(N)], trial[ROOM(N)], error[ROOM(N)];
-    double rate[ROOM(N)], u[ROOM(NU)];
+    double rate[ROOM(N)], ordered[ROOM(N)], u[ROOM(NU)];
     double nonzeros[ROOM(NNZ)], nonzeros_alg[ROOM(NNZ_ALG)];
-    double dy[ROOM(N)], du[ROOM(NU)], dp[ROOM(NP)], df[ROOM(N)], doutput[ROOM(NY)]; /* a direction, and derivatives along it */
     int pivot[ROOM(N)];
     const double *argument[WORK_ARG];
     double *result[WORK_RES];
@@ -70,10 +75,9 @@ struct instance {
 };
 
 /* instance.c */
-struct instance *instance_new(const char *name, int exchange);
+struct instance *instance_new(const char *name);
 void instance_free(struct instance *m);
 void instance_reset(struct instance *m);
-int instance_accepts(struct instance *m, const struct state *saved);
 int instance_restore(struct instance *m, const struct state *saved);
 void changed(struct instance *m);
 int fail(struct instance *m, const char *format, ...); /* records the message; returns 1 */
@@ -83,12 +87,15 @@ const double *inputs_at(struct instance *m, double t);
 void evaluate_residual(struct instance *m, double t, const double *y, double *f);
 void evaluate_jacobian(struct instance *m, double t, const double *y);
 void evaluate_algebraic(struct instance *m, double t, const double *y, double *alg, double *matrix);
-int evaluate_directional(struct instance *m, double dt);
+int evaluate_directional(struct instance *m, double *dy, const double *du, const double *dp, double *df,
+                         double *doutput);
 int refresh(struct instance *m, uint32_t kinds);
 
 /* linear.c */
 int lu_factor(int n, double *a, int *pivot);
 void lu_solve(int n, const double *a, const int *pivot, double *b);
+void lu_compress(const double *a, struct factors *f);
+void lu_solve_compressed(const struct factors *f, const int *pivot, double *b);
 
 /* newton.c, integrate.c */
 int solve_algebraic(struct instance *m);

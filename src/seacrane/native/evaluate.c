@@ -31,7 +31,7 @@ void evaluate_residual(struct instance *m, double t, const double *y, double *f)
     m->statistics.residuals++;
 }
 
-/* Leaves f, df/dy (dense) and the total time derivative of f along the inputs' slopes in the workspace. */
+/* Leaves f, the nonzeros of df/dy and the total time derivative of f along the inputs' slopes in the workspace. */
 void evaluate_jacobian(struct instance *m, double t, const double *y)
 {
     struct workspace *w = &m->work;
@@ -40,9 +40,6 @@ void evaluate_jacobian(struct instance *m, double t, const double *y)
     w->result[1] = w->nonzeros;
     w->result[2] = w->ft;
     call(m, model_jacobian, &t, y, u);
-    memset(w->jacobian, 0, sizeof w->jacobian);
-    for (int k = 0; k < NNZ; k++)
-        w->jacobian[model_row[k] * N + model_column[k]] = w->nonzeros[k];
     if (m->state.sloped) {
         w->argument[4] = m->state.slope;
         w->result[0] = w->rate;
@@ -67,36 +64,37 @@ void evaluate_algebraic(struct instance *m, double t, const double *y, double *a
     }
 }
 
-static void tangent(struct instance *m, const double *dt)
+static void tangent(struct instance *m, const double *dy, const double *du, const double *dp, double *df, double *dout)
 {
     struct workspace *w = &m->work;
-    w->argument[4] = dt;
-    w->argument[5] = w->dy;
-    w->argument[6] = w->du;
-    w->argument[7] = w->dp;
-    w->result[0] = w->df;
-    w->result[1] = w->doutput;
+    const double still = 0;
+    w->argument[4] = &still;
+    w->argument[5] = dy;
+    w->argument[6] = du;
+    w->argument[7] = dp;
+    w->result[0] = df;
+    w->result[1] = dout;
     call(m, model_directional, &m->state.time, m->state.y, m->state.u);
 }
 
-/* Derivative of ode and outputs in the direction (dt, dx, du, dp) that the workspace holds, the algebraic unknowns
-   following: the z part of `dy` is not read, but becomes dz = -(dalg/dz)^-1 dalg. */
-int evaluate_directional(struct instance *m, double dt)
+/* Derivative of ode and outputs in a direction (dx, du, dp), the algebraic unknowns following: on entry the z part of
+   `dy` is not read, on return it is dz = -(dalg/dz)^-1 dalg. */
+int evaluate_directional(struct instance *m, double *dy, const double *du, const double *dp, double *df, double *dout)
 {
-    struct workspace *w = &m->work;
     if (refresh(m, 0) != 0)
         return 1;
-    memset(w->dy + NX, 0, NZ * sizeof(double));
+    memset(dy + NX, 0, NZ * sizeof(double));
     if (NZ > 0) {
-        tangent(m, &dt);
+        struct workspace *w = &m->work;
+        tangent(m, dy, du, dp, df, dout);
         evaluate_algebraic(m, m->state.time, m->state.y, w->f, w->matrix);
         if (lu_factor(NZ, w->matrix, w->pivot) != 0)
             return fail(m, "the algebraic equations are singular at t = %.9g s", m->state.time);
         for (int i = 0; i < NZ; i++)
-            w->dy[NX + i] = -w->df[NX + i];
-        lu_solve(NZ, w->matrix, w->pivot, w->dy + NX);
+            dy[NX + i] = -df[NX + i];
+        lu_solve(NZ, w->matrix, w->pivot, dy + NX);
     }
-    tangent(m, &dt);
+    tangent(m, dy, du, dp, df, dout);
     return 0;
 }
 

@@ -38,12 +38,31 @@ static const double DELTA[STAGES] = {0.25, -0.1043, 0.1035, -0.0362000000000023,
 static int factor(struct instance *m, double reciprocal)
 {
     struct workspace *w = &m->work;
-    for (int i = 0; i < N * N; i++)
-        w->matrix[i] = -w->jacobian[i];
+    memset(w->matrix, 0, sizeof w->matrix);
+    for (int k = 0; k < NNZ; k++)
+        w->matrix[model_place[model_row[k]] * N + model_place[model_column[k]]] = -w->nonzeros[k];
     for (int i = 0; i < NX; i++)
-        w->matrix[i * N + i] += reciprocal;
+        w->matrix[model_place[i] * (N + 1)] += reciprocal;
     m->statistics.factorizations++;
-    return lu_factor(N, w->matrix, w->pivot);
+    if (lu_factor(N, w->matrix, w->pivot) != 0)
+        return 1;
+    if (N > DENSE_UP_TO)
+        lu_compress(w->matrix, &w->factors);
+    return 0;
+}
+
+/* Solves with that matrix, in place. */
+static void solve(struct instance *m, double *b)
+{
+    struct workspace *w = &m->work;
+    for (int i = 0; i < N; i++)
+        w->ordered[model_place[i]] = b[i];
+    if (N > DENSE_UP_TO)
+        lu_solve_compressed(&w->factors, w->pivot, w->ordered);
+    else
+        lu_solve(N, w->matrix, w->pivot, w->ordered);
+    for (int i = 0; i < N; i++)
+        b[i] = w->ordered[model_place[i]];
 }
 
 /* One step from y with the Jacobian in the workspace; new values into `trial`, estimated error into `error`. */
@@ -69,7 +88,7 @@ static int rodas_step(struct instance *m, double t, double h, const double *y)
                 sum[i] += C[stage][j] * w->stage[j][i];
         for (int i = 0; i < N; i++)
             k[i] += sum[i] / h + h * DELTA[stage] * w->ft[i];
-        lu_solve(N, w->matrix, w->pivot, k);
+        solve(m, k);
     }
     for (int i = 0; i < N; i++) {
         w->error[i] = w->stage[STAGES - 1][i];
@@ -189,7 +208,7 @@ static int fixed(struct instance *m, double end)
             w->trial[j] = w->f[j] + h * w->ft[j];
         if (factor(m, 1 / h) != 0)
             return fail(m, "the matrix of the solver is singular at t = %.9g s (step size %.3g s)", s->time, h);
-        lu_solve(N, w->matrix, w->pivot, w->trial);
+        solve(m, w->trial);
         for (int j = 0; j < N; j++)
             w->trial[j] += s->y[j];
         int culprit = first_not_finite(w->trial);

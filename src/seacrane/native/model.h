@@ -15,9 +15,9 @@
 #define N (NX + NZ)
 #define ROOM(n) ((n) > 0 ? (n) : 1) /* C has no arrays of length zero */
 
-enum kind { STATE, DERIVATIVE, ALGEBRAIC, INPUT, PARAMETER, SETTING, OUTPUT, OBSERVABLE, TIME, KINDS };
+enum kind { STATE, DERIVATIVE, ALGEBRAIC, INPUT, PARAMETER, SETTING, OUTPUT, OBSERVABLE, KINDS };
 enum setting { TOLERANCE, FIXED_STEP, NSETTINGS };
-#define NVARIABLES (2 * NX + NZ + NU + NP + NSETTINGS + NY + NW + 1)
+#define NVARIABLES (2 * NX + NZ + NU + NP + NSETTINGS + NY + NW)
 
 struct variable {
     uint32_t reference; /* FMI value reference; the table is sorted by it */
@@ -29,6 +29,7 @@ extern const struct variable model_variables[NVARIABLES];
 extern const double model_start_y[ROOM(N)], model_nominal_y[ROOM(N)];
 extern const double model_start_u[ROOM(NU)];
 extern const double model_start_p[ROOM(NP)], model_minimum_p[ROOM(NP)], model_maximum_p[ROOM(NP)];
+extern const int model_place[ROOM(N)]; /* of each unknown in the order of elimination */
 extern const int model_row[ROOM(NNZ)], model_column[ROOM(NNZ)];                 /* pattern of df/dy */
 extern const int model_row_alg[ROOM(NNZ_ALG)], model_column_alg[ROOM(NNZ_ALG)]; /* pattern of dalg/dz */
 extern const unsigned char model_hash[16];

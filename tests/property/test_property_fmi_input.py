@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from seacrane import fmi
 from seacrane.errors import FmuError
 from seacrane.fmi.archive import opened, unpack
-from seacrane.fmi.xml import parse_xml, read_description
+from seacrane.fmi.reading import read_description
+from seacrane.fmi.xml import parse_xml
 
 SOUND = b"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="m" guid="g" variableNamingConvention="structured">

@@ -136,8 +136,8 @@ class FmuSlaveInstance(CompiledInstance):
         self.inner.note_failure(status)
 
 
-def _variable(v: fmi.ScalarVariable, symbol: str) -> Variable:
-    start = 0.0 if v.start is None or isinstance(v.start, str) else float(v.start)
+def _variable(v: fmi.Variable, symbol: str) -> Variable:
+    start = float(v.start) if isinstance(v.start, (int, float)) else 0.0
     return Variable(
         v.name,
         symbol,
@@ -150,7 +150,7 @@ def _variable(v: fmi.ScalarVariable, symbol: str) -> Variable:
     )
 
 
-def _symbol(v: fmi.ScalarVariable, units: Mapping[str, str | None]) -> str | None:
+def _symbol(v: fmi.Variable, units: Mapping[str, str | None]) -> str | None:
     """The symbol of the unit of an FMU's variable, or None if it is unknown here."""
     if not v.unit:
         return "1"

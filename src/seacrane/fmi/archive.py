@@ -83,12 +83,16 @@ def _problems(archive: zipfile.ZipFile, size: int) -> Iterator[Problem]:
 
 def description_text(archive: zipfile.ZipFile) -> bytes:
     """The bytes of modelDescription.xml."""
-    try:
-        entry = archive.getinfo(FILE)
-    except KeyError:
-        raise FmuError.at(FILE, "is not at the top of the archive, so it is not an FMU") from None
+    if FILE not in archive.namelist():
+        raise FmuError.at(FILE, "is not at the top of the archive, so it is not an FMU")
+    return text_of(archive, FILE)
+
+
+def text_of(archive: zipfile.ZipFile, name: str) -> bytes:
+    """The bytes of an XML file that is in the archive, if it is not too large to be parsed."""
+    entry = archive.getinfo(name)
     if entry.file_size > LARGEST:
-        raise FmuError.at(FILE, f"is larger than {LARGEST // MiB} MiB", value=entry.file_size)
+        raise FmuError.at(name, f"is larger than {LARGEST // MiB} MiB", value=entry.file_size)
     return archive.read(entry)
 
 

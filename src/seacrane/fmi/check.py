@@ -11,11 +11,12 @@ from typing import Final
 
 from seacrane.errors import FmuError, Problem
 from seacrane.fmi.archive import description_text, opened
-from seacrane.fmi.description import ModelDescription, ScalarVariable, Unknown
+from seacrane.fmi.description import ModelDescription, Unknown, Variable
 from seacrane.fmi.naming import is_flat, is_structured
 from seacrane.fmi.platforms import binary_path, host, platforms
+from seacrane.fmi.reading import read_description
 from seacrane.fmi.schema import structure_problems
-from seacrane.fmi.xml import FILE, parse_xml, read_description
+from seacrane.fmi.xml import FILE, parse_xml
 
 _ALLOWED: Final = {
     "parameter": {"fixed": "exact", "tunable": "exact"},
@@ -108,7 +109,7 @@ def _variables(d: ModelDescription) -> Iterator[Problem]:
         yield _problem(", ".join(independent), "only one variable may be independent", "2.2.7")
 
 
-def _attributes(v: ScalarVariable) -> Iterator[Problem]:
+def _attributes(v: Variable) -> Iterator[Problem]:
     allowed = _ALLOWED[v.causality]
     if v.variability not in allowed:
         yield _problem(v.name, f"causality {v.causality} does not go with this variability", "2.2.7", v.variability,
@@ -124,7 +125,7 @@ def _attributes(v: ScalarVariable) -> Iterator[Problem]:
         yield _problem(v.name, "its nominal value is not positive", "2.2.7", v.nominal)
 
 
-def _start(v: ScalarVariable) -> Iterator[Problem]:
+def _start(v: Variable) -> Iterator[Problem]:
     needed = v.initial in ("exact", "approx") or v.causality == "input"
     if needed and v.start is None:
         yield _problem(v.name, "has no start value", "2.2.7")
@@ -140,7 +141,7 @@ def _start(v: ScalarVariable) -> Iterator[Problem]:
 
 
 def _aliases(d: ModelDescription) -> Iterator[Problem]:
-    groups: dict[tuple[str, int], list[ScalarVariable]] = {}
+    groups: dict[tuple[str, int], list[Variable]] = {}
     for v in d.variables:
         kind = "Integer" if v.type == "Enumeration" else v.type
         groups.setdefault((kind, v.value_reference), []).append(v)

@@ -1,16 +1,25 @@
-"""What an FMU says of itself: the model description of FMI 2.0 as typed, frozen data."""
+"""What an FMU says of itself: the model description of FMI 2.0 or 3.0 as typed, frozen data."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Final
 
-Value = float | int | bool | str
+Scalar = float | int | bool | str | bytes
+Value = Scalar | tuple[Scalar, ...]
+"""The value of a variable; of an array, its elements in row-major order."""
 
 TYPES: Final = ("Real", "Integer", "Boolean", "String", "Enumeration")
+TYPES3: Final = (
+    "Float32", "Float64", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64",
+    "Boolean", "String", "Binary", "Enumeration", "Clock",
+)  # fmt: skip
+REALS: Final = ("Real", "Float32", "Float64")
 CAUSALITIES: Final = ("parameter", "calculatedParameter", "input", "output", "local", "independent")
+CAUSALITIES3: Final = (*CAUSALITIES, "structuralParameter")
 VARIABILITIES: Final = ("constant", "fixed", "tunable", "discrete", "continuous")
 INITIALS: Final = ("exact", "approx", "calculated")
 
@@ -30,10 +39,21 @@ class UnitDefinition:
 
 
 @dataclass(frozen=True)
-class ScalarVariable:
+class Dimension:
+    """One dimension of an array: a fixed size, or the value reference of the structural parameter that gives it."""
+
+    size: int | None = None
+    reference: int | None = None
+
+
+@dataclass(frozen=True)
+class Variable:
     """A variable of an FMU; `initial` is what the standard gives as default if the file does not say.
 
-    `derivative` is the 1-based index of the state of which this is the time derivative.
+    `type` is that of the file: Real, Integer, Boolean, String or Enumeration in FMI 2.0; Float64, Int32, Binary, Clock
+    and so on in FMI 3.0. `derivative` is the 1-based index of the state of which this is the time derivative. `shape`
+    is that at the start values of the structural parameters; of a scalar it is empty. `alias_of` names the variable
+    under which FMI 3.0 lists this one as an alias.
     """
 
     name: str
@@ -52,6 +72,14 @@ class ScalarVariable:
     declared_type: str | None = None
     description: str = ""
     line: int = 0
+    dimensions: tuple[Dimension, ...] = ()
+    shape: tuple[int, ...] = ()
+    alias_of: str | None = None
+
+    @property
+    def count(self) -> int:
+        """How many elements it has: 1 for a scalar."""
+        return math.prod(self.shape)
 
 
 @dataclass(frozen=True)
@@ -64,18 +92,47 @@ class Unknown:
     line: int = 0
 
 
-@dataclass(frozen=True)
-class CoSimulation:
-    """What the co-simulation slave can do (FMI 2.0.4, section 4.3.1)."""
+@dataclass(frozen=True, kw_only=True)
+class Capabilities:
+    """What an FMU can do in either of its kinds (FMI 2.0.4, sections 3.3.1 and 4.3.1; FMI 3.0.1, 2.4, 3.4 and 4.4)."""
 
     model_identifier: str
-    variable_step: bool = False
-    interpolates_inputs: bool = False
     needs_execution_tool: bool = False
     once_per_process: bool = False
     saves_state: bool = False
     serializes_state: bool = False
     directional_derivative: bool = False
+    adjoint_derivative: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoSimulation(Capabilities):
+    """What the co-simulation slave can do."""
+
+    variable_step: bool = False
+    interpolates_inputs: bool = False
+    output_derivative_order: int = 0
+    event_mode: bool = False
+    returns_early: bool = False
+    fixed_step: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModelExchange(Capabilities):
+    """What the model can do for the solver of whoever runs it."""
+
+    needs_completed_step: bool = True
+
+
+@dataclass(frozen=True)
+class Terminal:
+    """Variables that are connected together: their names in the terminal, and those of the FMU's variables."""
+
+    name: str
+    members: Mapping[str, str]
+    kind: str = ""
+    matching: str = ""
+    description: str = ""
 
 
 @dataclass(frozen=True)
@@ -90,13 +147,18 @@ class Experiment:
 
 @dataclass(frozen=True)
 class ModelDescription:
-    """The whole of modelDescription.xml that matters to one who runs the FMU for co-simulation."""
+    """The whole of modelDescription.xml that matters to one who runs the FMU.
+
+    `guid` is the GUID of FMI 2.0 or the instantiation token of FMI 3.0. Indices of variables are 1-based in both.
+    """
 
     model_name: str
     guid: str
-    variables: tuple[ScalarVariable, ...]
+    variables: tuple[Variable, ...]
     co_simulation: CoSimulation | None
-    model_exchange: bool = False
+    model_exchange: ModelExchange | None = None
+    scheduled_execution: bool = False
+    fmi_version: str = "2.0"
     description: str = ""
     version: str = ""
     generation_tool: str = ""
@@ -107,18 +169,20 @@ class ModelDescription:
     outputs: tuple[Unknown, ...] = ()
     derivatives: tuple[Unknown, ...] = ()
     initial_unknowns: tuple[Unknown, ...] = ()
+    event_indicators: int = 0
+    terminals: tuple[Terminal, ...] = ()
 
     @cached_property
-    def by_name(self) -> Mapping[str, ScalarVariable]:
+    def by_name(self) -> Mapping[str, Variable]:
         """The variables by name."""
         return {v.name: v for v in self.variables}
 
     @property
-    def inputs(self) -> tuple[ScalarVariable, ...]:
+    def inputs(self) -> tuple[Variable, ...]:
         """The variables of causality input."""
         return tuple(v for v in self.variables if v.causality == "input")
 
     @property
-    def parameters(self) -> tuple[ScalarVariable, ...]:
+    def parameters(self) -> tuple[Variable, ...]:
         """The variables of causality parameter."""
         return tuple(v for v in self.variables if v.causality == "parameter")

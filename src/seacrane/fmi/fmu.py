@@ -25,10 +25,10 @@ from typing import Any, Final, Self
 import numpy as np
 
 from seacrane.errors import FmuError, Problem, nearest
-from seacrane.fmi.archive import description_text, opened, unpack
-from seacrane.fmi.description import ModelDescription, ScalarVariable
+from seacrane.fmi.archive import opened, unpack
+from seacrane.fmi.description import ModelDescription, Variable
 from seacrane.fmi.platforms import binary_path, host, platforms
-from seacrane.fmi.xml import parse_xml, read_description
+from seacrane.fmi.reading import read_archive
 
 logger = logging.getLogger(__name__)
 
@@ -61,7 +61,7 @@ class Calls:
 def read(path: str | Path) -> ModelDescription:
     """The model description of an FMU, without unpacking or loading it. Raises `FmuError` with all problems."""
     with opened(Path(path)) as archive:
-        return read_description(parse_xml(description_text(archive)))
+        return read_archive(archive)
 
 
 class Fmu:
@@ -74,7 +74,7 @@ class Fmu:
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
         with opened(self.path) as archive:
-            self.description = read_description(parse_xml(description_text(archive)))
+            self.description = read_archive(archive)
             binary = self._binary(archive.namelist())
             self.folder = Path(tempfile.mkdtemp(prefix="seacrane-fmu-"))
             self._remove = weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
@@ -150,7 +150,7 @@ class FmuInstance:
         self._status = OK
         self._running = False
         self._resolved: dict[tuple[str | int, ...], Any] = {}
-        self._by_name: Mapping[str, ScalarVariable] = fmu.description.by_name
+        self._by_name: Mapping[str, Variable] = fmu.description.by_name
         self._by_reference = {(v.type, v.value_reference): v for v in fmu.description.variables}
         own = weakref.ref(self)
 

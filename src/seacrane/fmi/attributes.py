@@ -1,0 +1,119 @@
+"""Attributes of XML elements as typed values, with every problem remembered; what both versions of FMI share."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TypeVar
+
+from seacrane.errors import Problem
+from seacrane.fmi.description import Experiment, UnitDefinition
+from seacrane.fmi.xml import EXPONENTS, FILE, Element
+
+T = TypeVar("T")
+
+
+def at(line: int) -> str:
+    """Where a line of the model description is, for messages."""
+    return f"{FILE}:{line}"
+
+
+class Reader:
+    """Reads attributes with their types and remembers what was wrong."""
+
+    def __init__(self) -> None:
+        self.problems: list[Problem] = []
+
+    def text(self, element: Element, name: str, default: str | None = "") -> str:
+        """The attribute; required if the default is None."""
+        value = element.attributes.get(name, default)
+        if value is None:
+            self.problems.append(Problem(at(element.line), f"<{element.tag}> lacks the attribute {name!r}"))
+            return ""
+        return value
+
+    def found(self, element: Element, message: str, value: object = None, allowed: str | None = None) -> None:
+        """Remembers what is wrong with an element."""
+        self.problems.append(Problem(at(element.line), message, value, allowed))
+
+    def choice(self, element: Element, name: str, allowed: tuple[str, ...], default: str) -> str:
+        value = element.attributes.get(name, default)
+        if value not in allowed:
+            message = f"attribute {name!r} of <{element.tag}>"
+            self.problems.append(Problem(at(element.line), message, value, ", ".join(allowed)))
+            return default
+        return value
+
+    def number(self, element: Element, name: str) -> float | None:
+        return self.convert(element, name, to_real, "a number")
+
+    def boolean(self, element: Element, name: str) -> bool:
+        return self.convert(element, name, to_boolean, "true or false") or False
+
+    def integer(self, element: Element, name: str) -> int | None:
+        return self.convert(element, name, to_integer, "an integer")
+
+    def reference(self, element: Element) -> int:
+        self.text(element, "valueReference", None)
+        value = self.integer(element, "valueReference")
+        if value is not None and not 0 <= value < 2**32:
+            message = f"attribute 'valueReference' of <{element.tag}>"
+            self.problems.append(Problem(at(element.line), message, value, "0 to 4294967295"))
+        return value or 0
+
+    def indices(self, element: Element, name: str) -> tuple[int, ...] | None:
+        return self.convert(
+            element, name, lambda s: tuple(to_integer(i) for i in s.split()), "a list of variable indices"
+        )
+
+    def convert(self, element: Element, name: str, convert: Callable[[str], T], allowed: str) -> T | None:
+        text = element.attributes.get(name)
+        if text is None:
+            return None
+        try:
+            return convert(text)
+        except ValueError:
+            self.problems.append(Problem(at(element.line), f"attribute {name!r} of <{element.tag}>", text, allowed))
+            return None
+
+
+def to_real(text: str) -> float:
+    special = {"INF": math.inf, "-INF": -math.inf, "NaN": math.nan}
+    return special[text] if text in special else float(_plain(text))
+
+
+def to_integer(text: str) -> int:
+    return int(_plain(text))
+
+
+def _plain(text: str) -> str:
+    """The text of a number, without what only Python reads as part of one."""
+    if "_" in text:
+        raise ValueError(text)
+    return text
+
+
+def to_boolean(text: str) -> bool:
+    if text.strip() not in ("true", "1", "false", "0"):
+        raise ValueError(text)
+    return text.strip() in ("true", "1")
+
+
+def definition(reader: Reader, element: Element) -> UnitDefinition:
+    base = element.first("BaseUnit") or Element("BaseUnit", {}, element.line)
+    display = {}
+    for shown in element.all("DisplayUnit"):
+        factor, offset = reader.number(shown, "factor"), reader.number(shown, "offset")
+        display[reader.text(shown, "name", None)] = (1.0 if factor is None else factor, offset or 0.0)
+    factor = reader.number(base, "factor")
+    return UnitDefinition(
+        reader.text(element, "name", None),
+        {key: value for key in EXPONENTS if (value := reader.integer(base, key))},
+        1.0 if factor is None else factor,
+        reader.number(base, "offset") or 0.0,
+        display,
+    )
+
+
+def experiment(reader: Reader, element: Element) -> Experiment:
+    return Experiment(*(reader.number(element, name) for name in ("startTime", "stopTime", "tolerance", "stepSize")))

@@ -1,0 +1,74 @@
+"""What an FMU says of itself, in whichever version of FMI: the model description, and the terminals of FMI 3.0."""
+
+from __future__ import annotations
+
+import re
+import zipfile
+from dataclasses import replace
+from typing import Final
+
+from seacrane.errors import FmuError, Problem
+from seacrane.fmi.archive import description_text, text_of
+from seacrane.fmi.attributes import Reader
+from seacrane.fmi.description import ModelDescription, Terminal
+from seacrane.fmi.reading2 import read2
+from seacrane.fmi.reading3 import read3
+from seacrane.fmi.xml import FILE, Element, parse_xml
+
+SUPPORTED: Final = "2.0, 3.0"
+TERMINALS: Final = "terminalsAndIcons/terminalsAndIcons.xml"
+
+
+def read_archive(archive: zipfile.ZipFile) -> ModelDescription:
+    """The model description in an FMU, with its terminals if it is of FMI 3.0. `FmuError` with all problems."""
+    description = read_description(parse_xml(description_text(archive)))
+    if description.fmi_version == "2.0" or TERMINALS not in archive.namelist():
+        return description
+    return replace(description, terminals=_terminals(parse_xml(text_of(archive, TERMINALS)), description))
+
+
+def read_description(root: Element) -> ModelDescription:
+    """The model description under this root. Raises `FmuError` with all problems found."""
+    if root.tag != "fmiModelDescription":
+        raise FmuError.at(FILE, f"the root element is <{root.tag}>", allowed="<fmiModelDescription>")
+    version = root.attributes.get("fmiVersion")
+    reader = Reader()
+    if version == "2.0":
+        description = read2(reader, root)
+    elif version is not None and is_version_3(version):
+        description = read3(reader, root)
+    else:
+        raise FmuError.at(FILE, "the FMU is of another version of FMI", value=version, allowed=SUPPORTED)
+    if reader.problems:
+        raise FmuError(reader.problems)
+    return description
+
+
+def is_version_3(version: str) -> bool:
+    """Whether this is FMI 3.0 or a version that is compatible with it (FMI 3.0.1, section 2.6)."""
+    return re.fullmatch(r"3\.[0-9]+(\.[0-9]+)?(-.+)?", version, re.ASCII) is not None
+
+
+def _terminals(root: Element, description: ModelDescription) -> tuple[Terminal, ...]:
+    problems, terminals = [], []
+    for group in root.all("Terminals"):
+        for element in group.all("Terminal"):
+            name = element.attributes.get("name", "")
+            members = {}
+            for member in element.all("TerminalMemberVariable"):
+                variable = member.attributes.get("variableName", "")
+                if variable not in description.by_name:
+                    problems.append(Problem(f"{TERMINALS}:{member.line}", "there is no such variable", variable))
+                members[member.attributes.get("memberName", variable)] = variable
+            terminals.append(
+                Terminal(
+                    name,
+                    members,
+                    element.attributes.get("terminalKind", ""),
+                    element.attributes.get("matchingRule", ""),
+                    element.attributes.get("description", ""),
+                )
+            )
+    if problems:
+        raise FmuError(problems)
+    return tuple(terminals)

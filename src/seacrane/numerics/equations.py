@@ -47,6 +47,6 @@ def solve_equations(
             size = size_new
         else:
             delta /= 10.0
-            if delta < 1e-12:
+            if delta < 1e-30:
                 return None
     return None

@@ -22,8 +22,8 @@ from seacrane.native import source
 from seacrane.units import UNITS, Unit
 
 CORE = source(
-    "model.h", "core.h", "fmi2.h", "linear.c", "instance.c", "evaluate.c", "values.c", "newton.c", "integrate.c",
-    "explicit.c", "simulate.c", "fmi2.c",
+    "model.h", "core.h", "interface.h", "fmi2.h", "linear.c", "instance.c", "evaluate.c", "values.c", "newton.c",
+    "integrate.c", "explicit.c", "simulate.c", "interface.c", "fmi2.c",
 )  # fmt: skip
 """The C files that every model is compiled with."""
 
@@ -48,11 +48,12 @@ class Entry:
 
 @dataclass(frozen=True)
 class Generated:
-    """A model as C: all files (the core included), its variables, and the GUID made from all of that."""
+    """A model as C: all files (the core included), its variables, the GUID made from all of that, and the time."""
 
     sources: dict[str, str]
     entries: tuple[Entry, ...]
     guid: str
+    time: Entry
 
 
 def derivative_of(state: Variable) -> Variable:
@@ -89,9 +90,9 @@ def _fnv1a(text: str) -> int:
 def generate(dae: Dae) -> Generated:
     """The C of a model. Raises `StructureError` if a start value is not finite or a nominal value not positive."""
     _check(dae)
-    entries = _entries(dae)
+    *entries, time = _entries(dae)
     functions, sizes = _functions(dae)
-    tables = _tables(dae, entries, sizes)
+    tables = _tables(dae, [*entries, time], sizes)
     digest = hashlib.sha256(json.dumps([functions, tables, CORE], sort_keys=True).encode()).hexdigest()
     guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
     numbers = {
@@ -108,7 +109,7 @@ def generate(dae: Dae) -> Generated:
     bytes_of_hash = ", ".join(f"0x{digest[i : i + 2]}" for i in range(0, 32, 2))
     tables += f"const unsigned char model_hash[16] = {{{bytes_of_hash}}};\n"
     sources = {**CORE, "model_size.h": header, "model_tables.c": tables, "model_functions.c": functions}
-    return Generated(sources, entries, guid)
+    return Generated(sources, tuple(entries), guid, time)
 
 
 def _check(dae: Dae) -> None:
@@ -141,11 +142,20 @@ def _entries(dae: Dae) -> tuple[Entry, ...]:
         ("DERIVATIVE", [derivative_of(v) for v in dae.states]),
         ("ALGEBRAIC", dae.algebraics),
         ("OBSERVABLE", dae.observables),
+        ("TIME", [_independent(dae)]),
     )
     references = value_references(v.name for _, variables in groups for v in variables)
     return tuple(
         Entry(v, kind, i, references[v.name]) for kind, variables in groups for i, v in enumerate(variables)
     )  # fmt: skip
+
+
+def _independent(dae: Dae) -> Variable:
+    """The time as a variable; if a variable of the model is called that, under a name that is free."""
+    name = "time"
+    while name in {v.name for v in dae.variables}:
+        name += "_"
+    return Variable(name, "s", about="simulated time")
 
 
 def _functions(dae: Dae) -> tuple[str, dict[str, Any]]:

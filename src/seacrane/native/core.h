@@ -9,10 +9,11 @@
 
 #include "model.h"
 
-enum phase { INSTANTIATED, INITIALIZING, STEPPING, TERMINATED };
+/* STEPPING is for co-simulation; EVENT and CONTINUOUS are its place in model exchange. */
+enum phase { INSTANTIATED, INITIALIZING, STEPPING, TERMINATED, EVENT, CONTINUOUS };
 
 #define STATE_MAGIC 0x52434153u /* "SACR" */
-#define STATE_VERSION 1u
+#define STATE_VERSION 2u
 
 struct state {
     uint32_t magic, version, size, unused; /* these and the hash tell whose state this is */
@@ -23,7 +24,8 @@ struct state {
     double slope[ROOM(NU)];           /* their time derivatives, until they are set again */
     double p[ROOM(NP)];
     double setting[NSETTINGS];
-    int32_t phase, sloped, consistent, unused_too; /* consistent: z solves the algebraic equations */
+    int32_t phase, sloped, consistent; /* consistent: z solves the algebraic equations */
+    int32_t exchange;                  /* an instance for model exchange: integrated by the environment */
 };
 
 struct statistics {
@@ -43,6 +45,7 @@ struct workspace {
     double f[ROOM(N)], ft[ROOM(N)], stage[6][ROOM(N)], trial[ROOM(N)], error[ROOM(N)];
     double rate[ROOM(N)], ordered[ROOM(N)], u[ROOM(NU)];
     double nonzeros[ROOM(NNZ)], nonzeros_alg[ROOM(NNZ_ALG)];
+    double dy[ROOM(N)], du[ROOM(NU)], dp[ROOM(NP)], df[ROOM(N)], doutput[ROOM(NY)]; /* a direction, and derivatives along it */
     int pivot[ROOM(N)];
     const double *argument[WORK_ARG];
     double *result[WORK_RES];
@@ -75,9 +78,10 @@ struct instance {
 };
 
 /* instance.c */
-struct instance *instance_new(const char *name);
+struct instance *instance_new(const char *name, int exchange);
 void instance_free(struct instance *m);
 void instance_reset(struct instance *m);
+int instance_accepts(struct instance *m, const struct state *saved);
 int instance_restore(struct instance *m, const struct state *saved);
 void changed(struct instance *m);
 int fail(struct instance *m, const char *format, ...); /* records the message; returns 1 */
@@ -87,8 +91,7 @@ const double *inputs_at(struct instance *m, double t);
 void evaluate_residual(struct instance *m, double t, const double *y, double *f);
 void evaluate_jacobian(struct instance *m, double t, const double *y);
 void evaluate_algebraic(struct instance *m, double t, const double *y, double *alg, double *matrix);
-int evaluate_directional(struct instance *m, double *dy, const double *du, const double *dp, double *df,
-                         double *doutput);
+int evaluate_directional(struct instance *m, double dt);
 int refresh(struct instance *m, uint32_t kinds);
 
 /* linear.c */

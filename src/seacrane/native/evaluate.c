@@ -64,37 +64,36 @@ void evaluate_algebraic(struct instance *m, double t, const double *y, double *a
     }
 }
 
-static void tangent(struct instance *m, const double *dy, const double *du, const double *dp, double *df, double *dout)
+static void tangent(struct instance *m, const double *dt)
 {
     struct workspace *w = &m->work;
-    const double still = 0;
-    w->argument[4] = &still;
-    w->argument[5] = dy;
-    w->argument[6] = du;
-    w->argument[7] = dp;
-    w->result[0] = df;
-    w->result[1] = dout;
+    w->argument[4] = dt;
+    w->argument[5] = w->dy;
+    w->argument[6] = w->du;
+    w->argument[7] = w->dp;
+    w->result[0] = w->df;
+    w->result[1] = w->doutput;
     call(m, model_directional, &m->state.time, m->state.y, m->state.u);
 }
 
-/* Derivative of ode and outputs in a direction (dx, du, dp), the algebraic unknowns following: on entry the z part of
-   `dy` is not read, on return it is dz = -(dalg/dz)^-1 dalg. */
-int evaluate_directional(struct instance *m, double *dy, const double *du, const double *dp, double *df, double *dout)
+/* Derivative of ode and outputs in the direction (dt, dx, du, dp) that the workspace holds, the algebraic unknowns
+   following: the z part of `dy` is not read, but becomes dz = -(dalg/dz)^-1 dalg. */
+int evaluate_directional(struct instance *m, double dt)
 {
+    struct workspace *w = &m->work;
     if (refresh(m, 0) != 0)
         return 1;
-    memset(dy + NX, 0, NZ * sizeof(double));
+    memset(w->dy + NX, 0, NZ * sizeof(double));
     if (NZ > 0) {
-        struct workspace *w = &m->work;
-        tangent(m, dy, du, dp, df, dout);
+        tangent(m, &dt);
         evaluate_algebraic(m, m->state.time, m->state.y, w->f, w->matrix);
         if (lu_factor(NZ, w->matrix, w->pivot) != 0)
             return fail(m, "the algebraic equations are singular at t = %.9g s", m->state.time);
         for (int i = 0; i < NZ; i++)
-            dy[NX + i] = -df[NX + i];
-        lu_solve(NZ, w->matrix, w->pivot, dy + NX);
+            w->dy[NX + i] = -w->df[NX + i];
+        lu_solve(NZ, w->matrix, w->pivot, w->dy + NX);
     }
-    tangent(m, dy, du, dp, df, dout);
+    tangent(m, &dt);
     return 0;
 }
 

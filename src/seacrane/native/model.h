@@ -15,9 +15,9 @@
 #define N (NX + NZ)
 #define ROOM(n) ((n) > 0 ? (n) : 1) /* C has no arrays of length zero */
 
-enum kind { STATE, DERIVATIVE, ALGEBRAIC, INPUT, PARAMETER, SETTING, OUTPUT, OBSERVABLE, KINDS };
+enum kind { STATE, DERIVATIVE, ALGEBRAIC, INPUT, PARAMETER, SETTING, OUTPUT, OBSERVABLE, TIME, KINDS };
 enum setting { TOLERANCE, FIXED_STEP, NSETTINGS };
-#define NVARIABLES (2 * NX + NZ + NU + NP + NSETTINGS + NY + NW)
+#define NVARIABLES (2 * NX + NZ + NU + NP + NSETTINGS + NY + NW + 1)
 
 struct variable {
     uint32_t reference; /* FMI value reference; the table is sorted by it */

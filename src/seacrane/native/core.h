@@ -41,6 +41,7 @@ struct factors { /* row i of L is value[lower[i]...upper[i]), of U without its d
 
 struct workspace {
     double matrix[ROOM(N) * ROOM(N)]; /* row-major, in the order of elimination */
+    double jacobian[ROOM(NZ) * ROOM(NZ)]; /* dalg/dz, while newton.c works with another matrix */
     struct factors factors;
     double f[ROOM(N)], ft[ROOM(N)], stage[6][ROOM(N)], trial[ROOM(N)], error[ROOM(N)];
     double rate[ROOM(N)], ordered[ROOM(N)], u[ROOM(NU)];

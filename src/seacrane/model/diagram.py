@@ -18,6 +18,7 @@ from .ports import Port, PowerPort, SignalIn, SignalOut
 
 if TYPE_CHECKING:
     from .bondgraph import SystemBondGraph
+    from .report import Report
     from .printing import PrintedEquations
 
 
@@ -132,6 +133,12 @@ class Diagram:
         from .compile import compile_diagram
 
         return compile_diagram(self).dae
+
+    def report(self) -> Report:
+        """What the compiler finds in the diagram: states, stores tied rigidly to others, and algebraic loops."""
+        from .report import report
+
+        return report(self)
 
     def bond_graph(self) -> SystemBondGraph:
         """The bond graph of the diagram with its causality; `.svg()` draws it."""

@@ -231,3 +231,20 @@ def test_orifices_in_series_leave_one_pressure_between_neighbours_each(count):
     # Equal orifices share the drop; the law is rounded near zero flow, which 200 bar are far from.
     shares = sorted(200e5 * (1 - (k + 1) / count) for k in range(count - 1))
     assert sorted(v.start for v in dae.algebraics) == pytest.approx(shares, rel=1e-4)
+
+
+def test_the_report_says_what_follows_what_and_where():
+    report = winch().report()
+    assert report.states == ("rotor.w",)
+    (tie,) = report.ties
+    assert (tie.demoted, tie.kept) == (("drum_inertia.w", "load.v"), ("rotor.w",))
+    assert "drum_inertia.w and load.v follow rotor.w, tied rigidly at" in str(report)
+    assert "gear" in tie.where
+
+
+def test_the_report_names_the_components_of_a_loop_and_what_is_iterated():
+    report = series(2).report()
+    (loop,) = report.loops
+    assert loop.torn == ("orifice0.b.p",)
+    assert "algebraic loop through orifice0, orifice1" in str(report)
+    assert "the solver iterates on orifice0.b.p. A small volume at such a node opens the loop" in str(report)

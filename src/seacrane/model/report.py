@@ -1,0 +1,47 @@
+"""What the compiler found in a diagram, in words: states, what is tied rigidly, and what is solved together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .compile import Compiled, Loop, compile_diagram
+from .diagram import Diagram
+from .reduce import Tie
+
+
+@dataclass(frozen=True)
+class Report:
+    """`ties`: states that follow others (derivative causality). `loops`: equations solved together. As text: str()."""
+
+    name: str
+    states: tuple[str, ...]
+    algebraics: tuple[str, ...]
+    ties: tuple[Tie, ...]
+    loops: tuple[Loop, ...]
+
+    def __str__(self) -> str:
+        lines = [f"{self.name}: {len(self.states)} states, {len(self.algebraics)} algebraic unknowns"]
+        for tie in self.ties:
+            follows = "follow" if len(tie.demoted) > 1 else "follows"
+            lines.append(
+                f"  {' and '.join(tie.demoted)} {follows} {' and '.join(tie.kept)}, tied rigidly at {tie.where}"
+                " (derivative causality): one store as heavy as all of them. Put a hose, orifice, spring or shaft"
+                " between them if they can move apart."
+            )
+        for loop in self.loops:
+            what = ", ".join(loop.unknowns[:6]) + (", ..." if len(loop.unknowns) > 6 else "")
+            how = (
+                f"the solver iterates on {', '.join(loop.torn)}. A small volume at such a node opens the loop"
+                if loop.torn
+                else "linear, solved in closed form"
+            )
+            lines.append(f"  algebraic loop through {loop.where} ({what}): {how}.")
+        return "\n".join(lines)
+
+
+def report(diagram: Diagram) -> Report:
+    """See `Diagram.report`."""
+    compiled: Compiled = compile_diagram(diagram)
+    dae = compiled.dae
+    states, algebraics = tuple(v.name for v in dae.states), tuple(v.name for v in dae.algebraics)
+    return Report(diagram.name, states, algebraics, compiled.ties, compiled.loops)

@@ -1,4 +1,4 @@
-"""Whether an FMU keeps FMI 2.0: all findings at once, each with the section of the standard."""
+"""Whether an FMU keeps FMI 2.0 or 3.0: all findings at once, each with the section of the standard."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Final
 
 from seacrane.errors import FmuError, Problem
-from seacrane.fmi.archive import description_text, opened
-from seacrane.fmi.description import ModelDescription, Unknown, Variable
+from seacrane.fmi.archive import description_text, opened, text_of
+from seacrane.fmi.description import REALS, Capabilities, ModelDescription, Unknown, Variable
 from seacrane.fmi.naming import is_flat, is_structured
 from seacrane.fmi.platforms import binary_path, host, platforms
-from seacrane.fmi.reading import read_description
-from seacrane.fmi.schema import structure_problems
+from seacrane.fmi.reading import TERMINALS, read_description, read_terminals
+from seacrane.fmi.schema import cited, structure_problems
 from seacrane.fmi.xml import FILE, parse_xml
 
 _ALLOWED: Final = {
@@ -38,6 +38,12 @@ _ALLOWED: Final = {
 }
 """Variability and initial that go with each causality (FMI 2.0.4, section 2.2.7)."""
 
+_ALLOWED3: Final = _ALLOWED | {
+    "structuralParameter": {"fixed": "exact", "tunable": "exact"},
+    "input": {"discrete": "exact", "continuous": "exact"},
+}
+"""The same in FMI 3.0 (FMI 3.0.1, section 2.4.7); clocks have no initial."""
+
 _KINDS: Final = ("dependent", "constant", "fixed", "tunable", "discrete")
 
 
@@ -47,14 +53,21 @@ def check(path: str | Path) -> list[Problem]:
         with opened(Path(path)) as archive:
             names = archive.namelist()
             root = parse_xml(description_text(archive))
+            terminals = parse_xml(text_of(archive, TERMINALS)) if TERMINALS in names else None
     except FmuError as error:
         return list(error.problems)
-    problems = list(structure_problems(root)) if root.tag == "fmiModelDescription" else []
+    version = root.attributes.get("fmiVersion", "")
+    problems = list(structure_problems(root, version)) if root.tag == "fmiModelDescription" else []
     try:
         description = read_description(root)
     except FmuError as error:
         seen = {(p.path, p.message) for p in problems}
         return problems + [p for p in error.problems if (p.path, p.message) not in seen]
+    if terminals is not None and description.fmi_version != "2.0":
+        try:
+            read_terminals(terminals, description)
+        except FmuError as error:
+            problems += error.problems
     return problems + list(
         chain(
             _files(description, names),
@@ -66,27 +79,30 @@ def check(path: str | Path) -> list[Problem]:
     )
 
 
-def _problem(path: str, message: str, section: str, value: object = None, allowed: str | None = None) -> Problem:
-    return Problem(path, message, value, allowed, f"FMI 2.0.4, section {section}")
+def _problem(
+    d: ModelDescription, path: str, message: str, section: str, value: object = None, allowed: str | None = None
+) -> Problem:
+    """A finding with the section of FMI 2.0, or the one of FMI 3.0 that takes its place."""
+    return Problem(path, message, value, allowed, cited(section, d.fmi_version))
 
 
 def _files(d: ModelDescription, names: list[str]) -> Iterator[Problem]:
-    if d.co_simulation is None and not d.model_exchange:
-        yield _problem(FILE, "has neither <CoSimulation> nor <ModelExchange>", "2.2.1")
+    kinds: list[Capabilities] = [kind for kind in (d.co_simulation, d.model_exchange) if kind is not None]
+    if not kinds and not d.scheduled_execution:
+        yield _problem(d, FILE, "has neither <CoSimulation> nor <ModelExchange>", "2.2.1")
     if not d.guid:
-        yield _problem(FILE, "the guid is empty", "2.2.1")
-    if d.co_simulation is None:
-        return
-    identifier = d.co_simulation.model_identifier
-    if not re.fullmatch(r"[A-Za-z_]\w*", identifier, re.ASCII):
-        yield _problem(FILE, "the model identifier is not a C identifier", "4.3.1", identifier)
+        yield _problem(d, FILE, f"the {'guid' if d.fmi_version == '2.0' else 'instantiationToken'} is empty", "2.2.1")
     present = platforms(names)
     sources = any(name.startswith("sources/") and name.endswith(".c") for name in names)
-    if not present and not sources:
-        yield _problem("binaries", "there is neither a binary nor a source file", "2.3")
-    elif present and binary_path(identifier) not in names:
-        message = f"there is no {binary_path(identifier)}, so the FMU does not run here"
-        yield _problem("binaries", message, "2.3", ", ".join(present), host()[0])
+    if kinds and not present and not sources:
+        yield _problem(d, "binaries", "there is neither a binary nor a source file", "2.3")
+    for identifier in dict.fromkeys(kind.model_identifier for kind in kinds):
+        if not re.fullmatch(r"[A-Za-z_]\w*", identifier, re.ASCII):
+            yield _problem(d, FILE, "the model identifier is not a C identifier", "4.3.1", identifier)
+        path = binary_path(identifier, d.fmi_version)
+        if present and path not in names:
+            message = f"there is no {path}, so the FMU does not run here"
+            yield _problem(d, "binaries", message, "2.3", ", ".join(present), host(d.fmi_version)[0])
 
 
 def _variables(d: ModelDescription) -> Iterator[Problem]:
@@ -94,53 +110,60 @@ def _variables(d: ModelDescription) -> Iterator[Problem]:
     counts = Counter(v.name for v in d.variables)
     for name, count in counts.items():
         if count > 1:
-            yield _problem(name, f"is the name of {count} variables", "2.2.7")
+            yield _problem(d, name, f"is the name of {count} variables", "2.2.7")
     for v in d.variables:
         if not fits(v.name):
-            yield _problem(v.name, f"the name does not keep the {d.naming} naming convention", "2.2.9")
-        yield from _attributes(v)
-        yield from _start(v)
+            yield _problem(d, v.name, f"the name does not keep the {d.naming} naming convention", "2.2.9")
+        yield from _attributes(d, v)
+        yield from _start(d, v)
         if v.derivative is not None and not 1 <= v.derivative <= len(d.variables):
-            yield _problem(v.name, "is the derivative of a variable that does not exist", "2.2.7", v.derivative)
+            yield _problem(d, v.name, "is the derivative of a variable that does not exist", "2.2.7", v.derivative)
         if v.declared_type is not None and v.declared_type not in d.types:
-            yield _problem(v.name, "its declared type is not defined", "2.2.7", v.declared_type, ", ".join(d.types))
+            yield _problem(d, v.name, "its declared type is not defined", "2.2.7", v.declared_type, ", ".join(d.types))
     independent = [v.name for v in d.variables if v.causality == "independent"]
     if len(independent) > 1:
-        yield _problem(", ".join(independent), "only one variable may be independent", "2.2.7")
+        yield _problem(d, ", ".join(independent), "only one variable may be independent", "2.2.7")
+    if not independent and d.fmi_version != "2.0":
+        yield _problem(d, "ModelVariables", "there must be an independent variable", "2.2.7")
 
 
-def _attributes(v: Variable) -> Iterator[Problem]:
-    allowed = _ALLOWED[v.causality]
+def _attributes(d: ModelDescription, v: Variable) -> Iterator[Problem]:
+    allowed = (_ALLOWED if d.fmi_version == "2.0" else _ALLOWED3)[v.causality]
+    if v.type == "Clock":
+        return
     if v.variability not in allowed:
-        yield _problem(v.name, f"causality {v.causality} does not go with this variability", "2.2.7", v.variability,
+        yield _problem(d, v.name, f"causality {v.causality} does not go with this variability", "2.2.7", v.variability,
                        ", ".join(allowed))  # fmt: skip
     elif (v.initial or "") not in allowed[v.variability].split(" "):
         message = f"causality {v.causality} and variability {v.variability} do not go with this initial"
-        yield _problem(v.name, message, "2.2.7", v.initial, allowed[v.variability].replace(" ", ", ") or "none")
-    if v.variability == "continuous" and v.type != "Real":
-        yield _problem(v.name, f"is {v.type}, which cannot be continuous", "2.2.7")
+        yield _problem(d, v.name, message, "2.2.7", v.initial, allowed[v.variability].replace(" ", ", ") or "none")
+    if v.variability == "continuous" and v.type not in REALS:
+        yield _problem(d, v.name, f"is {v.type}, which cannot be continuous", "2.2.7")
     if v.minimum is not None and v.maximum is not None and v.minimum > v.maximum:
-        yield _problem(v.name, f"its minimum {v.minimum:g} is above its maximum {v.maximum:g}", "2.2.7")
+        yield _problem(d, v.name, f"its minimum {v.minimum:g} is above its maximum {v.maximum:g}", "2.2.7")
     if v.nominal is not None and not v.nominal > 0:
-        yield _problem(v.name, "its nominal value is not positive", "2.2.7", v.nominal)
+        yield _problem(d, v.name, "its nominal value is not positive", "2.2.7", v.nominal)
 
 
-def _start(v: Variable) -> Iterator[Problem]:
+def _start(d: ModelDescription, v: Variable) -> Iterator[Problem]:
     needed = v.initial in ("exact", "approx") or v.causality == "input"
-    if needed and v.start is None:
-        yield _problem(v.name, "has no start value", "2.2.7")
+    if needed and v.start is None and v.type != "Clock":
+        yield _problem(d, v.name, "has no start value", "2.2.7")
     if v.start is not None and (v.initial == "calculated" or v.causality == "independent"):
-        yield _problem(v.name, f"is {v.initial or v.causality} and must not have a start value", "2.2.7", v.start)
+        yield _problem(d, v.name, f"is {v.initial or v.causality} and must not have a start value", "2.2.7", v.start)
     if isinstance(v.start, (int, float)) and not isinstance(v.start, bool):
         low = v.minimum is not None and v.start < v.minimum
         high = v.maximum is not None and v.start > v.maximum
         if low or high:
-            yield _problem(v.name, "its start value is out of its range", "2.2.7", v.start,
+            yield _problem(d, v.name, "its start value is out of its range", "2.2.7", v.start,
                            f"{v.minimum if v.minimum is not None else ''} to "
                            f"{v.maximum if v.maximum is not None else ''}".strip())  # fmt: skip
 
 
 def _aliases(d: ModelDescription) -> Iterator[Problem]:
+    if d.fmi_version != "2.0":
+        yield from _unique_references(d)
+        return
     groups: dict[tuple[str, int], list[Variable]] = {}
     for v in d.variables:
         kind = "Integer" if v.type == "Enumeration" else v.type
@@ -151,23 +174,32 @@ def _aliases(d: ModelDescription) -> Iterator[Problem]:
         names = ", ".join(v.name for v in group)
         settable = [v for v in group if v.causality in ("input", "parameter") or v.initial in ("exact", "approx")]
         if len([v for v in settable if v.variability != "constant"]) > 1:
-            yield _problem(names, "share a value reference, and more than one of them can be set", "2.2.7", reference)
+            yield _problem(
+                d, names, "share a value reference, and more than one of them can be set", "2.2.7", reference
+            )
         if len({v.unit for v in group}) > 1:
-            yield _problem(names, "share a value reference, but not their unit", "2.2.7", reference)
+            yield _problem(d, names, "share a value reference, but not their unit", "2.2.7", reference)
+
+
+def _unique_references(d: ModelDescription) -> Iterator[Problem]:
+    for reference, count in Counter(v.value_reference for v in d.variables if v.alias_of is None).items():
+        if count > 1:
+            names = ", ".join(v.name for v in d.variables if v.value_reference == reference and v.alias_of is None)
+            yield _problem(d, names, "share a value reference; an alias must be an <Alias>", "2.2.7", reference)
 
 
 def _units(d: ModelDescription) -> Iterator[Problem]:
     units = {u.name: u for u in d.units}
     for name, count in Counter(u.name for u in d.units).items():
         if count > 1:
-            yield _problem(name, f"is defined as a unit {count} times", "2.2.2")
+            yield _problem(d, name, f"is defined as a unit {count} times", "2.2.2")
     for v in d.variables:
         unit = v.unit or (d.types.get(v.declared_type) if v.declared_type else None)
         if unit is not None and unit not in units:
-            yield _problem(v.name, "its unit is not defined", "2.2.7", unit, ", ".join(sorted(units)))
+            yield _problem(d, v.name, "its unit is not defined", "2.2.7", unit, ", ".join(sorted(units)))
         elif v.display_unit is not None and (unit is None or v.display_unit not in units[unit].display):
             allowed = ", ".join(sorted(units[unit].display)) if unit else "a unit first"
-            yield _problem(v.name, "its display unit is not defined for its unit", "2.2.7", v.display_unit, allowed)
+            yield _problem(d, v.name, "its display unit is not defined for its unit", "2.2.7", v.display_unit, allowed)
 
 
 def _structure(d: ModelDescription) -> Iterator[Problem]:
@@ -176,24 +208,29 @@ def _structure(d: ModelDescription) -> Iterator[Problem]:
     sound = True
     for group, unknowns in groups:
         for unknown in unknowns:
-            found = list(_unknown(group, unknown, count))
+            found = list(_unknown(d, group, unknown))
             sound = sound and not found
             yield from found
         for index, times in Counter(u.index for u in unknowns).items():
             if times > 1:
-                yield _problem(f"ModelStructure/{group}", f"lists the variable of index {index} {times} times", "2.2.8")
+                yield _problem(
+                    d, f"ModelStructure/{group}", f"lists the variable of index {index} {times} times", "2.2.8"
+                )
     if not sound:
         return
-    outputs = {i for i, v in enumerate(d.variables, start=1) if v.causality == "output"}
+    outputs = {i for i, v in enumerate(d.variables, start=1) if v.causality == "output" and v.alias_of is None}
     yield from _same(d, "Outputs", outputs, {u.index for u in d.outputs}, "the variables of causality output")
     for unknown in d.derivatives:
         v = d.variables[unknown.index - 1]
         if v.derivative is None:
-            yield _problem(v.name, "is listed as a derivative, but does not say of which variable", "2.2.8")
+            yield _problem(d, v.name, "is listed as a derivative, but does not say of which variable", "2.2.8")
     initial = {
         i
         for i, v in enumerate(d.variables, start=1)
-        if (v.causality == "output" and v.initial in ("approx", "calculated")) or v.causality == "calculatedParameter"
+        if v.alias_of is None
+        and (
+            (v.causality == "output" and v.initial in ("approx", "calculated")) or v.causality == "calculatedParameter"
+        )
     }
     for unknown in d.derivatives:
         state = d.variables[unknown.index - 1].derivative
@@ -204,28 +241,30 @@ def _structure(d: ModelDescription) -> Iterator[Problem]:
     yield from _same(d, "InitialUnknowns", initial, {u.index for u in d.initial_unknowns}, meaning)
 
 
-def _unknown(group: str, unknown: Unknown, count: int) -> Iterator[Problem]:
-    where = f"{FILE}:{unknown.line}"
+def _unknown(d: ModelDescription, group: str, unknown: Unknown) -> Iterator[Problem]:
+    where, count = f"{FILE}:{unknown.line}", len(d.variables)
     if not 1 <= unknown.index <= count:
-        yield _problem(where, f"{group} lists a variable that does not exist", "2.2.8", unknown.index, f"1 to {count}")
+        yield _problem(
+            d, where, f"{group} lists a variable that does not exist", "2.2.8", unknown.index, f"1 to {count}"
+        )
     wrong = [i for i in unknown.dependencies or () if not 1 <= i <= count]
     if wrong:
-        yield _problem(where, "depends on variables that do not exist", "2.2.8", wrong, f"1 to {count}")
+        yield _problem(d, where, "depends on variables that do not exist", "2.2.8", wrong, f"1 to {count}")
     if unknown.kinds is not None:
         if unknown.dependencies is None:
-            yield _problem(where, "has dependenciesKind without dependencies", "2.2.8")
+            yield _problem(d, where, "has dependenciesKind without dependencies", "2.2.8")
         elif len(unknown.kinds) != len(unknown.dependencies):
-            yield _problem(where, "has not as many entries in dependenciesKind as in dependencies", "2.2.8")
+            yield _problem(d, where, "has not as many entries in dependenciesKind as in dependencies", "2.2.8")
         strange = [kind for kind in unknown.kinds if kind not in _KINDS]
         if strange:
-            yield _problem(where, "has an unknown dependenciesKind", "2.2.8", strange[0], ", ".join(_KINDS))
+            yield _problem(d, where, "has an unknown dependenciesKind", "2.2.8", strange[0], ", ".join(_KINDS))
 
 
 def _same(d: ModelDescription, group: str, expected: set[int], found: set[int], meaning: str) -> Iterator[Problem]:
     for index in sorted(expected - found):
         yield _problem(
-            f"ModelStructure/{group}", f"lacks {d.variables[index - 1].name}; it must list {meaning}", "2.2.8"
+            d, f"ModelStructure/{group}", f"lacks {d.variables[index - 1].name}; it must list {meaning}", "2.2.8"
         )
     for index in sorted(found - expected):
         name = d.variables[index - 1].name
-        yield _problem(f"ModelStructure/{group}", f"lists {name}; it must only list {meaning}", "2.2.8")
+        yield _problem(d, f"ModelStructure/{group}", f"lists {name}; it must only list {meaning}", "2.2.8")

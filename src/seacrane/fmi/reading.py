@@ -24,7 +24,7 @@ def read_archive(archive: zipfile.ZipFile) -> ModelDescription:
     description = read_description(parse_xml(description_text(archive)))
     if description.fmi_version == "2.0" or TERMINALS not in archive.namelist():
         return description
-    return replace(description, terminals=_terminals(parse_xml(text_of(archive, TERMINALS)), description))
+    return replace(description, terminals=read_terminals(parse_xml(text_of(archive, TERMINALS)), description))
 
 
 def read_description(root: Element) -> ModelDescription:
@@ -49,7 +49,8 @@ def is_version_3(version: str) -> bool:
     return re.fullmatch(r"3\.[0-9]+(\.[0-9]+)?(-.+)?", version, re.ASCII) is not None
 
 
-def _terminals(root: Element, description: ModelDescription) -> tuple[Terminal, ...]:
+def read_terminals(root: Element, description: ModelDescription) -> tuple[Terminal, ...]:
+    """The terminals under this root of terminalsAndIcons.xml. Raises `FmuError` for variables that do not exist."""
     problems, terminals = [], []
     for group in root.all("Terminals"):
         for element in group.all("Terminal"):

@@ -1,8 +1,8 @@
-"""Elements and attributes of modelDescription.xml in FMI 2.0: what may stand where (FMI 2.0.4, section 2.2)."""
+"""Elements and attributes of modelDescription.xml: what may stand where (FMI 2.0.4, section 2.2; FMI 3.0.1, 2.4)."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -81,12 +81,131 @@ RULES: Final = {
 }
 
 
-def structure_problems(element: Element) -> Iterator[Problem]:
+_INTERFACE3 = (
+    "needsExecutionTool canBeInstantiatedOnlyOncePerProcess canGetAndSetFMUState canSerializeFMUState "
+    "providesDirectionalDerivatives providesAdjointDerivatives providesPerElementDependencies"
+)
+_SLAVE3 = (
+    "canHandleVariableCommunicationStepSize fixedInternalStepSize maxOutputDerivativeOrder "
+    "recommendedIntermediateInputSmoothness providesIntermediateUpdate mightReturnEarlyFromDoStep "
+    "canReturnEarlyAfterIntermediateUpdate hasEventMode providesEvaluateDiscreteStates"
+)
+_VARIABLE3 = "description causality variability canHandleMultipleSetPerTimeInstant clocks"
+_ARRAY3 = f"{_VARIABLE3} intermediateUpdate previous declaredType initial"
+_REAL3 = "quantity unit displayUnit relativeQuantity unbounded min max nominal"
+_CLOCK3 = (
+    "canBeDeactivated priority intervalDecimal shiftDecimal supportsFraction resolution intervalCounter shiftCounter"
+)
+_INTEGERS3 = ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
+_UNKNOWN3 = Rule("2.4.8", "valueReference", "dependencies dependenciesKind", "Annotations")
+_TYPES3 = (
+    *(f"{tag}Type" for tag in ("Float32", "Float64", *_INTEGERS3)), "BooleanType", "StringType", "BinaryType",
+    "EnumerationType", "ClockType",
+)  # fmt: skip
+
+RULES3: Final = {
+    "fmiModelDescription": Rule(
+        "2.4.1",
+        "fmiVersion modelName instantiationToken",
+        "description author version copyright license generationTool generationDateAndTime variableNamingConvention",
+        "ModelExchange CoSimulation ScheduledExecution UnitDefinitions TypeDefinitions LogCategories "
+        "DefaultExperiment ModelVariables+ ModelStructure+ Annotations",
+    ),
+    "ModelExchange": Rule(
+        "3.4",
+        "modelIdentifier",
+        f"{_INTERFACE3} needsCompletedIntegratorStep providesEvaluateDiscreteStates",
+        "Annotations",
+    ),
+    "CoSimulation": Rule("4.4", "modelIdentifier", f"{_INTERFACE3} {_SLAVE3}", "Annotations"),
+    "ScheduledExecution": Rule("5.4", "modelIdentifier", _INTERFACE3, "Annotations"),
+    "UnitDefinitions": Rule("2.4.3", children="Unit+"),
+    "Unit": Rule("2.4.3", "name", children="BaseUnit DisplayUnit Annotations"),
+    "BaseUnit": Rule("2.4.3", optional=" ".join((*EXPONENTS, "factor", "offset"))),
+    "DisplayUnit": Rule("2.4.3", "name", "factor offset inverse", "Annotations"),
+    "TypeDefinitions": Rule("2.4.4", children=" ".join(_TYPES3), choice=True),
+    "Float32Type": Rule("2.4.4", "name", f"description {_REAL3}", "Annotations"),
+    "Float64Type": Rule("2.4.4", "name", f"description {_REAL3}", "Annotations"),
+    **{f"{tag}Type": Rule("2.4.4", "name", "description quantity min max", "Annotations") for tag in _INTEGERS3},
+    "BooleanType": Rule("2.4.4", "name", "description", "Annotations"),
+    "StringType": Rule("2.4.4", "name", "description", "Annotations"),
+    "BinaryType": Rule("2.4.4", "name", "description mimeType maxSize", "Annotations"),
+    "EnumerationType": Rule("2.4.4", "name", "description quantity min max", "Annotations Item+"),
+    "Item": Rule("2.4.4", "name value", "description", "Annotations"),
+    "ClockType": Rule("2.4.4", "name intervalVariability", f"description {_CLOCK3}", "Annotations"),
+    "LogCategories": Rule("2.4.5", children="Category+"),
+    "Category": Rule("2.4.5", "name", "description", "Annotations"),
+    "DefaultExperiment": Rule("2.4.6", optional="startTime stopTime tolerance stepSize", children="Annotations"),
+    "ModelVariables": Rule(
+        "2.4.7",
+        children=" ".join(("Float32", "Float64", *_INTEGERS3, "Boolean", "String", "Binary", "Enumeration", "Clock")),
+        choice=True,
+    ),
+    **{
+        tag: Rule(
+            "2.4.7",
+            "name valueReference",
+            f"{_ARRAY3} {_REAL3} start derivative reinit",
+            "Annotations Dimension Alias",
+        )
+        for tag in ("Float32", "Float64")
+    },
+    **{
+        tag: Rule("2.4.7", "name valueReference", f"{_ARRAY3} quantity min max start", "Annotations Dimension Alias")
+        for tag in _INTEGERS3
+    },
+    "Enumeration": Rule(
+        "2.4.7",
+        "name valueReference declaredType",
+        f"{_ARRAY3} quantity min max start",
+        "Annotations Dimension Alias",
+    ),
+    "Boolean": Rule("2.4.7", "name valueReference", f"{_ARRAY3} start", "Annotations Dimension Alias"),
+    "String": Rule("2.4.7", "name valueReference", _ARRAY3, "Annotations Dimension Start Alias"),
+    "Binary": Rule("2.4.7", "name valueReference", f"{_ARRAY3} mimeType maxSize", "Annotations Dimension Start Alias"),
+    "Clock": Rule(
+        "2.4.7", "name valueReference intervalVariability", f"{_VARIABLE3} declaredType {_CLOCK3}", "Annotations Alias"
+    ),
+    "Dimension": Rule("2.4.7", optional="start valueReference"),
+    "Start": Rule("2.4.7", "value"),
+    "Alias": Rule("2.4.7", "name", "description displayUnit", "Annotations"),
+    "ModelStructure": Rule(
+        "2.4.8", children="Output ContinuousStateDerivative ClockedState InitialUnknown EventIndicator"
+    ),
+    "Output": _UNKNOWN3,
+    "ContinuousStateDerivative": _UNKNOWN3,
+    "ClockedState": _UNKNOWN3,
+    "InitialUnknown": _UNKNOWN3,
+    "EventIndicator": _UNKNOWN3,
+}
+
+_SECTIONS3: Final = {
+    "2.2.1": "2.4.1", "2.2.2": "2.4.3", "2.2.7": "2.4.7", "2.2.8": "2.4.8", "2.2.9": "2.4.7", "2.3": "2.5",
+    "4.3.1": "4.4",
+}  # fmt: skip
+"""Where FMI 3.0.1 has what is in this section of FMI 2.0.4."""
+
+
+def cited(section: str, version: str) -> str:
+    """A section of FMI 2.0, or the one that takes its place in another version, as it is cited."""
+    if version == "2.0":
+        return f"FMI 2.0.4, section {section}"
+    return f"FMI 3.0.1, section {_SECTIONS3[section]}"
+
+
+def structure_problems(element: Element, version: str) -> Iterator[Problem]:
     """Elements and attributes that are missing, unknown or out of order, below and including this element."""
-    rule = RULES.get(element.tag)
+    if version == "2.0":
+        yield from _problems(element, RULES, "FMI 2.0.4")
+    elif version.startswith("3."):
+        yield from _problems(element, RULES3, "FMI 3.0.1")
+
+
+def _problems(element: Element, rules: Mapping[str, Rule], standard: str) -> Iterator[Problem]:
+    rule = rules.get(element.tag)
     if rule is None:
         return  # vendor annotations hold what the vendor likes
-    where, section = f"{FILE}:{element.line}", f"FMI 2.0.4, section {rule.section}"
+    where, section = f"{FILE}:{element.line}", f"{standard}, section {rule.section}"
     required, optional = rule.required.split(), rule.optional.split()
     for name in required:
         if name not in element.attributes:
@@ -105,7 +224,7 @@ def structure_problems(element: Element) -> Iterator[Problem]:
         if place < latest and not rule.choice:
             yield Problem(f"{FILE}:{child.line}", f"<{child.tag}> stands after <{order[latest]}>", hint=section)
         latest = max(latest, place)
-        yield from structure_problems(child)
+        yield from _problems(child, rules, standard)
     for tag in rule.children.split():
         if tag.endswith("+") and element.first(tag[:-1]) is None:
             yield Problem(where, f"<{element.tag}> has no <{tag[:-1]}>", hint=section)

@@ -10,15 +10,16 @@ from .compare import Comparison, compare
 from .component import REGISTRY, Component, initial, option, parameter, shared
 from .dae import Dae, Variable
 from .diagram import Diagram, Part, PortHandle
+from .files import check, load, save
 from .linear import Linearised, Mode, linearise
-from .files import load, save
 from .native import NativeInstance, NativeModel, build
 from .ports import Hydraulic, Rotational, SignalIn, SignalOut, Translational
 from .simulate import SOLVERS, Run, simulate
 from .solvers import RODAS4, ExplicitEuler, ImplicitEuler, RungeKutta4, RunStatistics
-from .sweep import Sweep, sweep
 from .structure import BondGraph, Symbol
+from .sweep import Sweep, sweep
 from .trim import Trim, trim
+from .values import settings
 
 __all__ = [
     "BDF",
@@ -48,19 +49,21 @@ __all__ = [
     "RungeKutta4",
     "SignalIn",
     "SignalOut",
-    "Symbol",
     "Sweep",
+    "Symbol",
     "Translational",
     "Trim",
     "Variable",
     "build",
+    "check",
     "compare",
     "initial",
-    "load",
     "linearise",
+    "load",
     "option",
     "parameter",
     "save",
+    "settings",
     "shared",
     "simulate",
     "sweep",

@@ -13,7 +13,7 @@ from seacrane.errors import Problem, StructureError, nearest
 from seacrane.units import compatible
 
 from .component import Component
-from .dae import Dae
+from .dae import Dae, Variable
 from .ports import Port, PowerPort, SignalIn, SignalOut
 
 if TYPE_CHECKING:
@@ -152,6 +152,12 @@ class Diagram:
         from .net import net
 
         return icons_svg(net(self))
+
+    def parameters(self) -> tuple[Variable, ...]:
+        """The parameters of all components, shared ones once; `start` is the value [SI]."""
+        from .values import parameters
+
+        return parameters(self)
 
     def equations(self) -> PrintedEquations:
         """The laws of all components as they are solved, to be read: `str()` for text, `.latex()` for LaTeX."""

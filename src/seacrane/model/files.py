@@ -38,7 +38,6 @@ from seacrane.units import Quantity, display, parse, unit
 
 from .component import REGISTRY, Component, Declaration, check_value, shared_default
 from .diagram import Diagram, PortHandle
-from .net import net
 
 FORMAT: Final = "seacrane-model/1"
 
@@ -109,7 +108,7 @@ def to_json(diagram: Diagram) -> str:
 
 def record(diagram: Diagram, form: str | None = FORMAT) -> ModelRecord:
     """The content of the model file of a diagram."""
-    declared = _shared_declarations(net(diagram).components.values())
+    declared = _shared_declarations()
     return ModelRecord(
         format=form,
         name=diagram.name,
@@ -209,7 +208,7 @@ class _Reading:
         known = interfaces()
         read = {n: self.part(f"parts.{n}", raw, known) for n, raw in self.object("parts").items()}
         contents = {n: content for n, (_, content) in read.items() if content is not None}
-        diagram = Diagram(title, **self.shared(contents, whole=len(contents) == len(read)))
+        diagram = Diagram(title, **self.shared())
         for part_name, content in contents.items():
             try:
                 diagram.add(part_name, content)
@@ -314,16 +313,14 @@ class _Reading:
             self.note(path, f"must be a finite number in {symbol}: {about}", value=str(raw)[:24])
             return None
 
-    def shared(self, contents: Mapping[str, Component | Diagram], *, whole: bool) -> dict[str, float]:
-        """Values of shared parameters. A name that no part shares is a mistake, unless some part could not be read."""
-        found = [net(c).components.values() if isinstance(c, Diagram) else [c] for c in contents.values()]
-        quantities = _shared_declarations(component for inside in found for component in inside)
+    def shared(self) -> dict[str, float]:
+        """Values of shared parameters: of any that some component shares, be it of another level than those here."""
+        quantities = _shared_declarations()
         values = {}
         for name, raw in self.object("shared").items():
             path = f"shared.{name}"
             if name not in quantities:
-                if whole:
-                    self.note(path, "is shared by no part", hint=nearest(name, quantities))
+                self.note(path, "is no shared parameter of any component", hint=nearest(name, quantities))
                 continue
             declaration, quantity = quantities[name]
             value = self.quantity(path, raw, quantity, declaration.about)
@@ -394,12 +391,12 @@ def _nearest_component(called: str, known: Mapping[str, type[Component]]) -> str
     return f"Did you mean {' or '.join(full)}?" if full else nearest(called, known)
 
 
-def _shared_declarations(components: Iterable[Component]) -> dict[str, tuple[Declaration, Quantity | None]]:
-    """The shared parameters of some components, by name."""
+def _shared_declarations() -> dict[str, tuple[Declaration, Quantity | None]]:
+    """All parameters that components share, by name."""
     return {
         name: declared
-        for component in components
-        for name, declared in type(component).declarations.items()
+        for component in REGISTRY
+        for name, declared in component.declarations.items()
         if declared[0].role == "shared"
     }
 

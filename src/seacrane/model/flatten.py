@@ -158,7 +158,7 @@ def flatten(diagram: Diagram) -> Flat:
             for key, port in component.interface().items()
         }
         equations = Equations(flat, path, ports)
-        twin = symbolic_twin(component, _parameter_symbols(flat, whole, path, component))
+        twin = symbolic_twin(component, parameter_symbols(flat, whole, path, component))
         for left, right in twin.equations(equations):
             flat.equations.append(Equation(left - right, path))
         flat.sources += [s for s in component.sources if s not in flat.sources]
@@ -248,7 +248,7 @@ def _signal_node(flat: Flat, node: Node, signals: dict[str, Any]) -> None:
             flat.observables[end.path] = (Variable(end.path, end.port.unit), signals[end.path])
 
 
-def _parameter_symbols(flat: Flat, whole: Net, path: str, component: Any) -> dict[str, Any]:
+def parameter_symbols(flat: Flat, whole: Net, path: str, component: Any) -> dict[str, Any]:
     """Symbols for the parameters of a component; a shared one left to the diagram is one symbol for all."""
     symbols: dict[str, Any] = {}
     for name, (declaration, quantity) in type(component).declarations.items():

@@ -108,6 +108,8 @@ def test_all_faults_of_a_file_are_told_at_once() -> None:
     data["exposed"] = {"set": "source.x"}
     said = told(data)
     for expected in (
+        "f.json: shared.viscosit: is no shared parameter of any component. Did you mean",
+        "f.json: shared.density: a quantity in 'bar' cannot be given in 'kg/m3': density of the oil",
         "f.json: nmae: is not a field of a model. Did you mean 'name'?",
         "f.json: parts.pump.parameters.presure: is not a parameter. Did you mean 'pressure'?",
         "f.json: parts.pump.parameters.pressure: is missing: supply pressure (gauge) [Pa]",
@@ -119,7 +121,7 @@ def test_all_faults_of_a_file_are_told_at_once() -> None:
         "f.json: exposed.set: source has no port 'x'. ",
     ):
         assert any(text.startswith(expected) for text in said), (expected, said)
-    assert len(said) == 9
+    assert len(said) == 11
 
 
 def test_a_unit_forgotten_is_questioned() -> None:
@@ -133,6 +135,12 @@ def test_a_shared_value_is_checked_like_any_other() -> None:
     data = content()
     data["shared"] = {"density": "-860 kg/m3"}
     assert [s.split(";")[0] for s in told(data)] == ["f.json: shared.density: -860 kg/m3 is out of range"]
+
+
+def test_a_shared_value_that_these_levels_do_not_use_is_no_fault() -> None:
+    diagram = Diagram("tank", bulk_modulus=1.5e9)
+    diagram.add("tank", hyd.Tank())
+    assert loads(to_json(diagram)).shared == {"bulk_modulus": 1.5e9}
 
 
 def test_a_class_of_a_level_is_led_to_interface_and_level() -> None:

@@ -1,0 +1,41 @@
+"""The command line: `seacrane demo`, `simulate`, `model`, `fmu` and `design`, one module each."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+from seacrane import __version__
+from seacrane.errors import SeacraneError
+
+from . import demo, design, fmu, model, simulate
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command; 0 if all went well, 1 if a check found problems, 2 if the command could not be carried out."""
+    options = _parser().parse_args(arguments)
+    try:
+        status: int = options.run(options)
+        sys.stdout.flush()
+    except SeacraneError as error:
+        for problem in error.problems:
+            print(f"seacrane: {error.code}: {problem}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+    except BrokenPipeError:  # who read the output has seen enough
+        sys.stdout = None
+        return 0
+    return status
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="seacrane", description="Marine cranes: designed, modelled, simulated, operated."
+    )
+    parser.add_argument("--version", action="version", version=f"seacrane {__version__}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    for command in (demo, simulate, model, fmu, design):
+        command.add(commands)
+    return parser

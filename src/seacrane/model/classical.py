@@ -97,9 +97,8 @@ class ExplicitForm:
         """Sample times of the inputs within the run, its beginning and its end."""
         first, last = self.task.times[[0, -1]]
         samples = [np.asarray(t, dtype=np.float64).reshape(-1) for t, _ in self.task.sampled.values()]
-        inside: Reals = np.unique(np.concatenate([[first, last], *samples]))
-        inside = inside[(inside >= first) & (inside <= last)]
-        return inside
+        every: Reals = np.unique(np.concatenate([[first, last], *samples]))
+        return np.array(every[(every >= first) & (every <= last)])
 
     def record(self, times: Reals, scaled: Reals, controls: Reals) -> Reals:
         """The recorded variables, a row for each time."""

@@ -116,3 +116,20 @@ def test_the_list_shows_half_arrows_and_strokes() -> None:
         "  edge.through ->| edge.edge",
         "  edge.through |-> volume.oil",
     ]
+
+
+def test_a_source_with_many_branches_is_drawn_at_each_of_them() -> None:
+    diagram = Diagram("star")
+    tank = diagram.add("tank", hyd.Tank())
+    ports = []
+    for i in range(3):
+        edge = diagram.add(f"edge{i}", hyd.Orifice(diameter=3 * mm))
+        volume = diagram.add(f"volume{i}", hyd.ControlVolume(volume=1 * l))
+        diagram.connect(volume.a, edge.a)
+        ports.append(edge.b)
+    diagram.connect(tank.p, *ports)
+    graph = diagram.bond_graph()
+    kinds = [e.kind for e in graph.elements]
+    assert (kinds.count("Se"), kinds.count("0")) == (1, 4)
+    words = [e.text for e in ET.fromstring(graph.svg()) if e.tag.endswith("text")]
+    assert (words.count("Se"), words.count("0")) == (3, 3)

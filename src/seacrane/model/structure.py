@@ -101,8 +101,8 @@ class Symbol:
 
     `svg` is drawn in a box `width` by `height` with the origin at the top left; lines take the style of the drawing
     they are put in (no colours of their own). A port that `ports` does not name is put on the left rim if it takes a
-    signal, on the right rim if it gives one, and wherever there is room if it carries power. A `repeated` symbol (a tank)
-    is drawn anew at each thing it is joined to, instead of lines from everywhere to one place.
+    signal, on the right rim if it gives one, and wherever there is room if it carries power. A `repeated` symbol (a
+    tank) is drawn anew at each thing it is joined to, instead of lines from everywhere to one place.
     """
 
     width: float

@@ -137,3 +137,11 @@ def test_sources_are_those_of_the_levels_used() -> None:
 
 def test_coordinates_are_finite_numbers() -> None:
     assert not re.search(r"nan|inf\b", drive().icons_svg())
+
+
+def test_parts_that_nothing_joins_stand_beside_one_another_without_overlap() -> None:
+    items = {f"s{i}": Item(40, 40) for i in range(12)}
+    at = arrange(items, [])
+    for a, b in itertools.combinations(at.values(), 2):
+        assert abs(a[0] - b[0]) >= 80 or abs(a[1] - b[1]) >= 80
+    assert max(x for x, _ in at.values()) < 600

@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 
 from .canvas import Point
-from .placement import sketch
+from .placement import connected, packed, sketch
 
 GRID: Final = 10.0
 CLEARANCE: Final = 20.0
@@ -88,18 +88,41 @@ class Wire:
 
 
 def arrange(items: Mapping[str, Item], wires: Sequence[Wire]) -> dict[str, Point]:
-    """The origin of each symbol, on the grid."""
-    names = list(items)
-    pairs = {
-        (a, b) for wire in wires for a, b in itertools.combinations([owner for owner, _, _ in wire.ends], 2) if a != b
+    """The origin of each symbol, on the grid; parts that no wire joins stand beside one another."""
+    pairs = sorted(
+        {(a, b) for wire in wires for a, b in itertools.combinations([owner for owner, _, _ in wire.ends], 2) if a != b}
+    )
+    placed = []
+    for names in connected(list(items), pairs):
+        inside = {name: items[name] for name in names}
+        own = [wire for wire in wires if wire.ends[0][0] in inside]
+        placed.append(_arranged(inside, own, [pair for pair in pairs if pair[0] in inside]))
+    frames = [_frame(part, items) for part in placed]
+    corners = packed([(right - left, bottom - top) for left, top, right, bottom in frames], 4 * GRID)
+    return {
+        name: (_on_grid(x - left + dx), _on_grid(y - top + dy))
+        for part, (left, top, _, _), (dx, dy) in zip(placed, frames, corners, strict=True)
+        for name, (x, y) in part.items()
     }
-    cells = sketch(names, sorted(pairs))
-    pitch = max((max(i.reach[2] - i.reach[0], i.reach[3] - i.reach[1]) for i in items.values()), default=0)
+
+
+def _arranged(items: Mapping[str, Item], wires: Sequence[Wire], pairs: Sequence[tuple[str, str]]) -> dict[str, Point]:
+    """The origins of symbols that are joined, directly or through others."""
+    pitch = max(max(i.reach[2] - i.reach[0], i.reach[3] - i.reach[1]) for i in items.values())
     pitch = GRID * math.ceil(pitch / GRID + 6)
-    at: dict[str, Point] = {name: (x * pitch, y * pitch) for name, (x, y) in cells.items()}
-    if len(names) > 1:
+    at: dict[str, Point] = {name: (x * pitch, y * pitch) for name, (x, y) in sketch(list(items), pairs).items()}
+    if len(items) > 1:
         _anneal(at, items, wires)
     return at
+
+
+def _frame(at: Mapping[str, Point], items: Mapping[str, Item]) -> Box:
+    boxes = [items[name].box_at(point) for name, point in at.items()]
+    return min(b[0] for b in boxes), min(b[1] for b in boxes), max(b[2] for b in boxes), max(b[3] for b in boxes)
+
+
+def _on_grid(value: float) -> float:
+    return GRID * round(value / GRID)
 
 
 def _anneal(at: dict[str, Point], items: Mapping[str, Item], wires: Sequence[Wire]) -> None:

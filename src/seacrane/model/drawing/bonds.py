@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from .canvas import ALARM, COLOURS, FAINT, INK, Canvas, Point
-from .placement import Cell, compact, improve, sketch
+from .placement import Cell, compact, connected, improve, packed, sketch
 
 if TYPE_CHECKING:
     from seacrane.model.bondgraph import DomainBond, Element, SystemBondGraph
@@ -27,7 +27,7 @@ COPY: Final = "#"
 def bond_graph_svg(graph: SystemBondGraph) -> str:
     """See the module."""
     graph = _with_sources_at_hand(graph)
-    places = compact(_places(graph))
+    places = _places(graph)
     at = {name: (x * SPACING[0], y * SPACING[1]) for name, (x, y) in places.items()}
     wrong = {finding.element for finding in graph.findings}
     canvas = Canvas()
@@ -75,8 +75,19 @@ def _sign(value: float) -> int:
 
 
 def _places(graph: SystemBondGraph) -> dict[str, Cell]:
-    names = [element.name for element in graph.elements]
+    """The cell of each element; parts of the graph that do not hang together stand beside one another."""
     edges = [(bond.tail, bond.head) for bond in graph.bonds]
+    groups = connected([element.name for element in graph.elements], edges)
+    placed = [compact(_places_of(names, [edge for edge in edges if edge[0] in set(names)])) for names in groups]
+    sizes = [(max(x for x, _ in part.values()) + 1.0, max(y for _, y in part.values()) + 1.0) for part in placed]
+    return {
+        name: (x + round(left), y + round(top))
+        for part, (left, top) in zip(placed, packed(sizes, 1), strict=True)
+        for name, (x, y) in part.items()
+    }
+
+
+def _places_of(names: list[str], edges: list[tuple[str, str]]) -> dict[str, Cell]:
     near: dict[str, list[str]] = {name: [] for name in names}
     for tail, head in edges:
         near[tail].append(head)

@@ -18,26 +18,39 @@ Cost = Callable[[Mapping[str, Cell], Iterable[str]], float]
 """What is bad about the edges (and places) of the named nodes, all others staying where they are."""
 
 
-def sketch(names: Sequence[str], edges: Iterable[tuple[str, str]], *, aspect: float = 1.0) -> dict[str, Cell]:
-    """A first place for each node, all different; parts of the graph that are not connected stand side by side."""
+def connected(names: Sequence[str], edges: Iterable[tuple[str, str]]) -> list[list[str]]:
+    """The nodes in groups that hang together, each in the order of `names`."""
     graph = nx.Graph()
     graph.add_nodes_from(names)
     graph.add_edges_from(edges)
+    return [[name for name in names if name in part] for part in nx.connected_components(graph)]
+
+
+def packed(sizes: Sequence[tuple[float, float]], gap: float) -> list[tuple[float, float]]:
+    """Where to put boxes of these sizes: one beside another in rows, the whole about as wide as one and a half high."""
+    area = sum((width + gap) * (height + gap) for width, height in sizes)
+    widest = max([1.5 * math.sqrt(1.5 * area), *(width for width, _ in sizes)], default=0.0)
+    x = y = row = 0.0
+    corners = []
+    for width, height in sizes:
+        if x > 0 and x + width > widest:
+            x, y, row = 0.0, y + row + gap, 0.0
+        corners.append((x, y))
+        x, row = x + width + gap, max(row, height)
+    return corners
+
+
+def sketch(names: Sequence[str], edges: Iterable[tuple[str, str]], *, aspect: float = 1.0) -> dict[str, Cell]:
+    """A first place for each node of a connected graph, all different."""
+    graph = nx.Graph()
+    graph.add_nodes_from(names)
+    graph.add_edges_from(edges)
+    found = nx.kamada_kawai_layout(graph) if len(names) > 1 else dict.fromkeys(names, (0.0, 0.0))
+    spread = 0.75 * math.sqrt(len(names)) + 1
     cells: dict[str, Cell] = {}
-    left = 0
-    for part in nx.connected_components(graph):
-        members = [name for name in names if name in part]
-        found = nx.kamada_kawai_layout(graph.subgraph(members)) if len(members) > 1 else {members[0]: (0.0, 0.0)}
-        spread = 0.75 * math.sqrt(len(members)) + 1
-        taken: set[Cell] = set()
-        for name in members:
-            x, y = (float(v) for v in found[name])
-            cell = _nearest_free((round(x * spread * aspect), round(y * spread)), taken)
-            taken.add(cell)
-            cells[name] = cell
-        offset = left - min(x for x, _ in taken)
-        cells.update({name: (cells[name][0] + offset, cells[name][1]) for name in members})
-        left = 2 + max(cells[name][0] for name in members)
+    for name in names:
+        x, y = (float(v) for v in found[name])
+        cells[name] = _nearest_free((round(x * spread * aspect), round(y * spread)), set(cells.values()))
     return cells
 
 

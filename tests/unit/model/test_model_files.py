@@ -109,7 +109,7 @@ def test_all_faults_of_a_file_are_told_at_once() -> None:
     said = told(data)
     for expected in (
         "f.json: shared.viscosit: is no shared parameter of any component. Did you mean",
-        "f.json: shared.density: a quantity in 'bar' cannot be given in 'kg/m3': density of the oil",
+        "f.json: shared.density: a quantity in 'bar' cannot be given in 'kg/m3': ",
         "f.json: nmae: is not a field of a model. Did you mean 'name'?",
         "f.json: parts.pump.parameters.presure: is not a parameter. Did you mean 'pressure'?",
         "f.json: parts.pump.parameters.pressure: is missing: supply pressure (gauge) [Pa]",

@@ -1,4 +1,4 @@
-"""Slaves from FMU files (FMI 2.0 for co-simulation)."""
+"""Slaves from FMU files."""
 
 from __future__ import annotations
 
@@ -13,19 +13,35 @@ from seacrane.errors import ParameterError, Problem
 from seacrane.model.dae import Variable
 from seacrane.units import UNITS, Unit
 
+_REALS = ("Real", "Float64")
+_NO_NUMBERS = ("String", "Binary", "Clock")
+
 
 class FmuSlave(Slave):
     """An FMU as a slave. It is read here, and unpacked and loaded when it is first instantiated.
 
     `parameters` gives values of parameters, and start values of inputs and of other variables that have one, by name,
-    in the units of the FMU. Inputs and outputs are its Real variables of that causality; its other Real variables can
-    be recorded as well. What cannot be exchanged, because it is no Real or its unit is unknown here, is `left_out`.
+    in the units of the FMU. Inputs and outputs are its real scalars of that causality; its other real scalars can be
+    recorded as well. What cannot be exchanged, because it is no real scalar or its unit is unknown here, is
+    `left_out`.
+
+    An FMU of both kinds is run for co-simulation unless `kind` is "model-exchange"; then it is integrated here to the
+    relative `tolerance`, with its events located.
 
     `FmuError` if the file is not an FMU that runs here, `ParameterError` naming every value that does not fit.
     """
 
-    def __init__(self, path: str | Path, parameters: Mapping[str, float] | None = None) -> None:
+    def __init__(
+        self,
+        path: str | Path,
+        parameters: Mapping[str, float] | None = None,
+        *,
+        kind: fmi.Kind | None = None,
+        tolerance: float | None = None,
+    ) -> None:
         self.path = Path(path)
+        self.kind = kind
+        self.tolerance = tolerance
         self.description = fmi.read(self.path)
         self.parameters = dict(parameters or {})
         self._loaded: fmi.Fmu | None = None
@@ -36,9 +52,12 @@ class FmuSlave(Slave):
         for v in self.description.variables:
             symbol = _symbol(v, units)
             group = "local" if v.causality == "calculatedParameter" else v.causality
-            if v.type == "String" or symbol is None or (v.type != "Real" and group in ("input", "output")):
+            real = v.type in _REALS and not v.dimensions
+            if group == "independent":
+                continue
+            if v.type in _NO_NUMBERS or v.dimensions or symbol is None or (not real and group in ("input", "output")):
                 left_out.append(v.name)
-            elif group == "parameter" or v.type == "Real":
+            elif group == "parameter" or real:
                 groups.setdefault(group, []).append(_variable(v, symbol))
                 if group == "local" and v.start is not None:
                     groups["start"].append(_variable(v, symbol))
@@ -62,11 +81,11 @@ class FmuSlave(Slave):
 
     def instantiate(self, name: str) -> Instance:
         """A new instance. The FMU is unpacked and loaded with the first and gone with the last that is open."""
-        fmu = self._loaded = self._loaded or fmi.Fmu(self.path)
+        fmu = self._loaded = self._loaded or fmi.Fmu(self.path, self.kind)
         self._open += 1
-        references = {v.name: v.value_reference for v in self.description.variables if v.type == "Real"}
+        references = {v.name: v.value_reference for v in self.description.variables if v.type in _REALS}
         try:
-            inner = fmu.instantiate(name)
+            inner = fmu.instantiate(name, tolerance=self.tolerance)
         except BaseException:
             self._closed()
             raise

@@ -1,4 +1,4 @@
-"""Functional mock-up units of FMI 2.0: export our models, read, check and run anybody's."""
+"""Functional mock-up units: export our models, read, check and run anybody's."""
 
 from seacrane.errors import FmuError
 from seacrane.fmi.check import check
@@ -14,7 +14,8 @@ from seacrane.fmi.description import (
     Variable,
 )
 from seacrane.fmi.export import export
-from seacrane.fmi.fmu import Fmu, FmuInstance, read
+from seacrane.fmi.fmu import Fmu, Kind, read
+from seacrane.fmi.instance import FmuInstance
 
 __all__ = [
     "CoSimulation",
@@ -23,6 +24,7 @@ __all__ = [
     "Fmu",
     "FmuError",
     "FmuInstance",
+    "Kind",
     "ModelDescription",
     "ModelExchange",
     "Terminal",

@@ -160,11 +160,14 @@ def test_a_library_that_does_not_load_leaves_nothing(tmp_path: Path, scratch: Pa
     assert list(scratch.iterdir()) == []
 
 
-def test_a_model_for_model_exchange_only_says_so(tmp_path: Path, scratch: Path) -> None:
+def test_a_kind_that_the_fmu_does_not_have_says_so(tmp_path: Path, scratch: Path) -> None:
+    path = packed(tmp_path / "a.fmu", {"modelDescription.xml": DESCRIPTION})
+    with pytest.raises(FmuError, match=r"a.fmu: is not made for model-exchange; allowed: co-simulation"):
+        fmi.Fmu(path, "model-exchange")
     text = DESCRIPTION.replace("CoSimulation", "ModelExchange")
-    path = packed(tmp_path / "a.fmu", {"modelDescription.xml": text})
-    with pytest.raises(FmuError, match=r"a.fmu: is for model exchange only; allowed: an FMU with a <CoSimulation>"):
-        fmi.Fmu(path)
+    path = packed(tmp_path / "b.fmu", {"modelDescription.xml": text})
+    with pytest.raises(FmuError, match=r"b.fmu: is not made for co-simulation; allowed: model-exchange"):
+        fmi.Fmu(path, "co-simulation")
 
 
 def test_all_problems_of_a_description_come_at_once(tmp_path: Path, scratch: Path) -> None:

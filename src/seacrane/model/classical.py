@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 from seacrane.errors import Problem, SolveError
 
 from .dae import Dae
+from .singular import Point
 from .solvers import Outcome, Reals, RunStatistics, Task
 
 DRAWN_BACK = 10.0
@@ -106,6 +107,12 @@ class ExplicitForm:
             return np.empty((0, len(self.task.names)))
         return np.asarray(self._record(times[None, :], scaled.T, controls.T)).T
 
+    def point(self, time: float, scaled: Reals, control: Reals) -> Point:
+        """Where a run stands, for its diagnosis."""
+        nx, nu = len(self.dae.states), len(self.dae.inputs)
+        y, u = scaled * self.nominal, control[:nu] + control[nu : 2 * nu] * (time - control[-1])
+        return Point(time, y[:nx], y[nx:], u, self.parameters)
+
     def initial(self) -> Reals:
         start: Reals = np.array(self.start / self.nominal)
         return start
@@ -182,7 +189,8 @@ class _Sundials:
             return Outcome(values, statistics)
         told = re.search(r'CVode returned "(\w+)"', error or "")
         message = told[1] if told else "a value is not finite"
-        return Outcome(values, statistics, _stopped(task, self.name, float(grid[rows - 1]), message))
+        here = form.point(float(grid[rows - 1]), y[rows - 1], controls[min(rows, len(controls)) - 1])
+        return Outcome(values, statistics, _stopped(task, self.name, here, message))
 
 
 @dataclass(frozen=True)
@@ -242,10 +250,15 @@ class _Scipy:
                     **accuracy,
                 )
                 while solver.status == "running":
-                    message = solver.step()
+                    before = solver.y
+                    try:
+                        message = solver.step()
+                    except (ValueError, np.linalg.LinAlgError):  # a matrix of this method is not finite, or singular
+                        solver.status, message = "failed", "its equations are singular or not finite"
                     vanished = solver.status == "running" and solver.t - solver.t_old < LEAST_STEP
                     if solver.status == "failed" or vanished or not np.isfinite(solver.y).all():
-                        error = _stopped(task, self.name, solver.t_old or a, message or "no further step is possible")
+                        here = form.point(float(a if solver.t_old is None else solver.t_old), before, c)
+                        error = _stopped(task, self.name, here, message or "no further step is possible")
                         break
                     steps += 1
                     within = wanted[(wanted > solver.t_old) & (wanted <= solver.t)]
@@ -303,6 +316,7 @@ class Radau(_Scipy):
     name = "Radau (scipy)"
 
 
-def _stopped(task: Task, solver: str, reached: float, message: str) -> SolveError:
+def _stopped(task: Task, solver: str, here: Point, message: str) -> SolveError:
     hint = "Another solver may manage (RODAS4 says which state is at fault), or a longer tolerance."
-    return SolveError(Problem(task.native.name, f"{solver} stopped after t = {reached:.9g} s: {message}", hint=hint))
+    told = Problem(task.native.name, f"{solver} stopped after t = {here.time:.9g} s: {message}", hint=hint)
+    return task.explained(SolveError(told), here)

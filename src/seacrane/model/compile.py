@@ -22,7 +22,7 @@ import numpy as np
 from seacrane.errors import Problem, StructureError
 from seacrane.numerics.graph import components_in_order, tear
 
-from .dae import Dae, Variable, column
+from .dae import Dae, Divisor, Variable, column
 from .diagnose import places, undetermined
 from .diagram import Diagram
 from .flatten import Flat, Unknown, flatten
@@ -66,6 +66,7 @@ class _Solution:
     algebraic: list[Unknown]
     residuals: list[Any]
     loops: list[Loop]
+    divisors: list[Divisor]
 
 
 def compile_diagram(diagram: Diagram) -> Compiled:
@@ -112,7 +113,7 @@ class _Blocks:
 
     def solve(self, blocks: Sequence[Sequence[int]]) -> _Solution:
         """All blocks in order. Raises `StructureError` for those that have no solution, whatever the numbers are."""
-        solution = _Solution([], [], [], [], [])
+        solution = _Solution([], [], [], [], [], [])
         problems: list[Problem] = []
         for block in blocks:
             columns = [self.matched[i] for i in block]
@@ -133,8 +134,14 @@ class _Blocks:
         if ca.depends_on(slope, symbol):
             self._leave(solution, [row], [column_], [row], [column_], [self.residuals[row]])
         else:
+            self._divide(solution, [column_], slope)
             solution.symbols.append(symbol)
             solution.expressions.append(self._solved(row, column_))
+
+    def _divide(self, solution: _Solution, columns: Sequence[int], coefficients: Any) -> None:
+        if not coefficients.is_constant():
+            names = tuple(_as_algebraic(self.unknowns[j]).name for j in columns)
+            solution.divisors.append(Divisor(names, coefficients))
 
     def _solved(self, row: int, column_: int) -> Any:
         """The unknown from an equation that is linear in it."""
@@ -165,6 +172,7 @@ class _Blocks:
             matrix = ca.jacobian(residual, tear_symbols)
             constant = ca.substitute(residual, tear_symbols, ca.SX.zeros(tear_symbols.shape))
             value = -constant / matrix if len(tears) == 1 else -ca.solve(matrix, constant)
+            self._divide(solution, tears, matrix)
             solution.symbols.append(tear_symbols)
             solution.expressions.append(ca.densify(value))
             self._tell(solution, block, columns, [])
@@ -219,11 +227,13 @@ def _assemble(diagram: Diagram, flat: Flat, reduced: Reduced, solution: _Solutio
         column(*solution.residuals),
         column(*[e for _, e in flat.outputs.values()]),
         column(*[e for _, e in looked_at.values()]),
+        *[d.coefficients for d in solution.divisors],
     ]
     if solution.symbols:
         _, targets = ca.substitute_inplace(solution.symbols, solution.expressions, targets, False)
     # A rate that is itself an algebraic unknown (in a nonlinear block) is that unknown: nothing more to do.
-    ode, alg, out, obs = (ca.densify(e) for e in targets)
+    ode, alg, out, obs = (ca.densify(e) for e in targets[:4])
+    divisors = [replace(d, coefficients=c) for d, c in zip(solution.divisors, targets[4:], strict=True)]
     return Dae(
         name=diagram.name,
         states=tuple(v for v, _ in kept.values()),
@@ -242,4 +252,5 @@ def _assemble(diagram: Diagram, flat: Flat, reduced: Reduced, solution: _Solutio
         out=out,
         obs=obs,
         sources=tuple(flat.sources),
+        divisors=tuple(divisors),
     )

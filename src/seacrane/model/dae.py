@@ -44,6 +44,17 @@ class Variable:
 
 
 @dataclass(frozen=True)
+class Divisor:
+    """What equations were divided by when they were solved in closed form: a square matrix in t, x, z, u and p.
+
+    `unknowns` are the names of what was solved for. Where the matrix is singular, these have no value.
+    """
+
+    unknowns: tuple[str, ...]
+    coefficients: Any
+
+
+@dataclass(frozen=True)
 class Dae:
     """A model as equations: variables, their CasADi symbols (column vectors in the same order) and expressions."""
 
@@ -65,6 +76,7 @@ class Dae:
     obs: Any
     about: str = ""
     sources: tuple[str, ...] = field(default=())
+    divisors: tuple[Divisor, ...] = field(default=())
 
     def __post_init__(self) -> None:
         problems = []

@@ -4,20 +4,28 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from seacrane.errors import Problem
+
 from .compile import Compiled, Loop, compile_diagram
 from .diagram import Diagram
 from .reduce import Tie
+from .singular import start_point, undetermined_at
 
 
 @dataclass(frozen=True)
 class Report:
-    """`ties`: states that follow others (derivative causality). `loops`: equations solved together. As text: str()."""
+    """`ties`: states that follow others (derivative causality). `loops`: equations solved together.
+
+    `undetermined`: unknowns that lose their equation at the start values (a closed valve without leakage); a run cannot
+    start there. As text: str().
+    """
 
     name: str
     states: tuple[str, ...]
     algebraics: tuple[str, ...]
     ties: tuple[Tie, ...]
     loops: tuple[Loop, ...]
+    undetermined: tuple[Problem, ...] = ()
 
     def __str__(self) -> str:
         lines = [f"{self.name}: {len(self.states)} states, {len(self.algebraics)} algebraic unknowns"]
@@ -36,6 +44,7 @@ class Report:
                 else "linear, solved in closed form"
             )
             lines.append(f"  algebraic loop through {loop.where} ({what}): {how}.")
+        lines += [f"  {problem}" for problem in self.undetermined]
         return "\n".join(lines)
 
 
@@ -44,4 +53,5 @@ def report(diagram: Diagram) -> Report:
     compiled: Compiled = compile_diagram(diagram)
     dae = compiled.dae
     states, algebraics = tuple(v.name for v in dae.states), tuple(v.name for v in dae.algebraics)
-    return Report(diagram.name, states, algebraics, compiled.ties, compiled.loops)
+    lost = tuple(undetermined_at(dae, start_point(dae), "the start values"))
+    return Report(diagram.name, states, algebraics, compiled.ties, compiled.loops, lost)

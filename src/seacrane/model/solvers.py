@@ -18,7 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from seacrane.errors import ParameterError, SolveError
 
+from .failure import Stop, explained
 from .native import NativeInstance, NativeModel
+from .singular import Point
 
 Reals = NDArray[np.float64]
 Progress = Callable[[float, float], None]
@@ -70,11 +72,32 @@ class Task:
             for name, (_, values) in self.sampled.items():
                 settings[name] = float(np.asarray(values, dtype=np.float64).reshape(-1)[0])
             instance.set(list(settings), list(settings.values()))
-            instance.initialize(float(self.times[0]))
+            try:
+                instance.initialize(float(self.times[0]))
+            except SolveError as failure:
+                raise self.explained(failure, self.point(instance, float(self.times[0]))) from None
         except BaseException:
             instance.close()
             raise
         return instance
+
+    def point(self, instance: NativeInstance, time: float) -> Point:
+        """Where the instance stands. Algebraic unknowns that have no solution there are told by their start values."""
+        dae = self.native.dae
+        x, u, p = (instance.get([v.name for v in group]) for group in (dae.states, dae.inputs, dae.parameters))
+        try:
+            z = instance.get([v.name for v in dae.algebraics])
+        except SolveError:
+            z = np.array([v.start for v in dae.algebraics])
+        return Point(time, x, z, u, p)
+
+    def explained(
+        self, failure: SolveError, point: Point, *, implicit: bool = True, rows: Reals | None = None
+    ) -> SolveError:
+        """The failure, with what stands out at that point; `rows` is what was recorded before."""
+        seen = dict(zip(self.names, rows.T, strict=True)) if rows is not None else {}
+        stop = Stop(point, self.sampled, self.linear, self.tolerance, implicit, seen)
+        return explained(failure, self.native.dae, stop)
 
 
 @dataclass(frozen=True)
@@ -103,26 +126,30 @@ class Solver(Protocol):
 @dataclass(frozen=True)
 class _InCore:
     name: ClassVar[str]
+    implicit: ClassVar[bool] = True
 
     def prepare(self, instance: NativeInstance, task: Task) -> None:
         raise NotImplementedError
 
     def run(self, task: Task) -> Outcome:
-        parts, error = [], None
+        parts: list[Reals] = []
+        error: SolveError | None = None
         with task.start() as instance:
             self.prepare(instance, task)
             spent = 0.0
-            for rows in np.array_split(np.arange(task.times.size), min(CHUNKS, task.times.size)):
+            for part in np.array_split(np.arange(task.times.size), min(CHUNKS, task.times.size)):
                 begun = time.process_time()
                 try:
                     parts.append(
-                        instance.simulate(task.times[rows], task.names, dict(task.sampled), linear=task.linear)
+                        instance.simulate(task.times[part], task.names, dict(task.sampled), linear=task.linear)
                     )
                 except SolveError as failure:
                     error = failure
                     parts.append(failure.results)
                 spent += time.process_time() - begun
                 if error is not None:
+                    here, rows = task.point(instance, instance.time), np.concatenate(parts)
+                    error = task.explained(error, here, implicit=self.implicit, rows=rows)
                     break
                 task.progress(instance.time, float(task.times[-1]))
             s = instance.statistics
@@ -169,6 +196,7 @@ class ExplicitEuler(_FixedStep):
 
     step: float = 1e-5
     name = "explicit Euler"
+    implicit = False
 
     def prepare(self, instance: NativeInstance, task: Task) -> None:
         instance.step_explicitly(1, self.step)
@@ -180,6 +208,7 @@ class RungeKutta4(_FixedStep):
 
     step: float = 1e-5
     name = "Runge-Kutta 4"
+    implicit = False
 
     def prepare(self, instance: NativeInstance, task: Task) -> None:
         instance.step_explicitly(4, self.step)

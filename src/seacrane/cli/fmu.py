@@ -1,19 +1,65 @@
-"""`seacrane fmu check`."""
+"""`seacrane fmu check`, `info`, `run` and `compare`."""
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from .arguments import Commands
+from .arguments import Commands, output
+
+if TYPE_CHECKING:
+    from seacrane.fmi import ModelDescription
+    from seacrane.results import Recording
 
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    fmu = commands.add_parser("fmu", help="look at an FMU").add_subparsers(required=True, metavar="ACTION")
+    fmu = commands.add_parser("fmu", help="look at FMUs and run them").add_subparsers(required=True, metavar="ACTION")
     check = fmu.add_parser("check", help="list all that is wrong with an FMU, with the rule of the standard")
     check.add_argument("file", type=Path)
     check.set_defaults(run=_check_fmu)
+
+    info = fmu.add_parser("info", help="say what an FMU is, and list its variables")
+    info.add_argument("file", type=Path)
+    info.set_defaults(run=_info)
+
+    run = fmu.add_parser("run", help="run an FMU by itself")
+    run.add_argument("file", type=Path)
+    _settings(run)
+    run.add_argument(
+        "--output",
+        type=lambda text: text.split(","),
+        metavar="NAME,...",
+        help="what to record (default: all outputs that are numbers)",
+    )
+    run.add_argument("--csv", type=output, metavar="FILE", help="write what was recorded as CSV")
+    run.add_argument("--plot", type=output, metavar="FILE", help="plot what was recorded (SVG, PNG or PDF)")
+    run.set_defaults(run=_run)
+
+    compare = fmu.add_parser("compare", help="run two FMUs alike and show how far their outputs are apart")
+    compare.add_argument("first", type=Path)
+    compare.add_argument("second", type=Path)
+    _settings(compare)
+    compare.add_argument(
+        "--within",
+        type=float,
+        metavar="R",
+        help="fail if an output deviates by more than this part of its largest value",
+    )
+    compare.set_defaults(run=_compare)
+
+
+def _settings(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--until", type=float, required=True, metavar="S", help="end of the run [s]")
+    parser.add_argument("--step", type=float, default=0.01, metavar="S", help="communication step [s] (default 0.01)")
+    parser.add_argument("--input", type=Path, metavar="CSV", help="inputs over time: `time [s],name [unit],...`")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE", help="start value, in the unit of the FMU"
+    )
+    parser.add_argument("--kind", choices=("co-simulation", "model-exchange"), help="which kind of an FMU of both")
+    parser.add_argument("--tolerance", type=float, metavar="T", help="relative tolerance of the solver")
 
 
 def _check_fmu(options: argparse.Namespace) -> int:
@@ -24,3 +70,124 @@ def _check_fmu(options: argparse.Namespace) -> int:
         print(problem)
     print(f"{options.file}: {len(problems) or 'no'} problem{'s' if len(problems) != 1 else ''}")
     return 1 if problems else 0
+
+
+def _info(options: argparse.Namespace) -> int:
+    from seacrane import fmi
+
+    d = fmi.read(options.file)
+    kinds = [
+        name
+        for name, there in (
+            ("co-simulation", d.co_simulation),
+            ("model exchange", d.model_exchange),
+            ("scheduled execution", d.scheduled_execution),
+        )
+        if there
+    ]
+    facts = {
+        "model": d.model_name,
+        "about": d.description,
+        "version": d.version,
+        "FMI": f"{d.fmi_version}, {' and '.join(kinds)}",
+        "made by": d.generation_tool,
+        "states": str(len(d.derivatives)),
+        "terminals": ", ".join(t.name for t in d.terminals),
+    }
+    for key, value in facts.items():
+        if value:
+            print(f"{key:10} {value}")
+    print()
+    _print_table(
+        ("name", "causality", "variability", "type", "start", "unit", "description"),
+        [
+            (
+                v.name,
+                v.causality,
+                v.variability,
+                v.type + "".join(f"[{n}]" for n in v.shape),
+                "" if v.start is None else _short(v.start),
+                v.unit or "",
+                v.description,
+            )
+            for v in d.variables
+        ],
+    )
+    return 0
+
+
+def _run(options: argparse.Namespace) -> int:
+    recording = _recording(options, options.file, options.output)
+    if options.csv:
+        recording.to_csv(options.csv)
+        print(f"{options.csv}: {len(recording)} rows")
+    if options.plot:
+        recording.plot(title=options.file.stem).savefig(options.plot)
+        print(f"{options.plot}: drawn")
+    if not options.csv and not options.plot:
+        rows = [(n, f"{s.values[-1]:.6g}", s.unit) for n, s in recording.signals.items()]
+        _print_table(("name", f"at {recording.time[-1]:g} s", "unit"), rows)
+    return 0
+
+
+def _compare(options: argparse.Namespace) -> int:
+    from seacrane import fmi
+
+    runs = [_recording(options, path, None) for path in (options.first, options.second)]
+    deviations = fmi.compare(*runs)
+    rows = [
+        (d.name, f"{d.largest:.3g}", f"{d.rms:.3g}", d.unit, f"{d.relative:.3g}", f"{d.at:g} s") for d in deviations
+    ]
+    _print_table(("output", "largest", "rms", "unit", "relative", "at"), rows)
+    if options.within is None:
+        return 0
+    far = [d.name for d in deviations if not d.relative <= options.within]
+    print(f"{', '.join(far) if far else 'no output'} deviates by more than {options.within:g} of its largest value")
+    return 1 if far else 0
+
+
+def _recording(options: argparse.Namespace, path: Path, outputs: list[str] | None) -> Recording:
+    from seacrane import fmi
+    from seacrane.results import Recording
+
+    description = fmi.read(path)
+    return fmi.run(
+        path,
+        options.until,
+        options.step,
+        values=_values(description, options.set),
+        inputs=Recording.read_csv(options.input) if options.input else None,
+        outputs=outputs,
+        kind=options.kind,
+        tolerance=options.tolerance,
+    )
+
+
+def _values(description: ModelDescription, settings: list[str]) -> Mapping[str, Any]:
+    from seacrane import fmi
+    from seacrane.errors import ParameterError, Problem, nearest
+
+    values, problems = {}, []
+    for text in settings:
+        name, equals, value = text.partition("=")
+        variable = description.by_name.get(name.strip())
+        if not equals:
+            problems.append(Problem("--set", "is not NAME=VALUE", text))
+        elif variable is None:
+            problems.append(Problem(name, "no such variable", hint=nearest(name, description.by_name)))
+        else:
+            values[variable.name] = fmi.parse(variable, value)
+    if problems:
+        raise ParameterError(problems)
+    return values
+
+
+def _short(value: object) -> str:
+    text = f"{value:g}" if isinstance(value, float) else str(value)
+    return text if len(text) <= 24 else f"{text[:21]}..."
+
+
+def _print_table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> None:
+    widths = [max(len(row[i]) for row in (head, *rows)) for i in range(len(head))]
+    for row in (head, tuple("-" * width for width in widths), *rows):
+        print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())

@@ -10,8 +10,9 @@ from seacrane import fmi
 from seacrane.cosim.compiled import CompiledInstance, started
 from seacrane.cosim.slave import Instance, Interface, Slave, check_values
 from seacrane.errors import ParameterError, Problem
+from seacrane.fmi.symbols import known_units, unit_symbol
 from seacrane.model.dae import Variable
-from seacrane.units import UNITS, Unit
+from seacrane.units import UNITS
 
 _REALS = ("Real", "Float64")
 _NO_NUMBERS = ("String", "Binary", "Clock")
@@ -48,9 +49,9 @@ class FmuSlave(Slave):
         self._open = 0
         groups: dict[str, list[Variable]] = {"input": [], "output": [], "parameter": [], "local": [], "start": []}
         left_out = []
-        units = {unit.name: _known(unit) for unit in self.description.units}
+        units = known_units(self.description)
         for v in self.description.variables:
-            symbol = _symbol(v, units)
+            symbol = unit_symbol(v, units)
             group = "local" if v.causality == "calculatedParameter" else v.causality
             real = v.type in _REALS and not v.dimensions
             if group == "independent":
@@ -167,25 +168,3 @@ def _variable(v: fmi.Variable, symbol: str) -> Variable:
         v.description,
         v.display_unit if v.display_unit in UNITS else "",
     )
-
-
-def _symbol(v: fmi.Variable, units: Mapping[str, str | None]) -> str | None:
-    """The symbol of the unit of an FMU's variable, or None if it is unknown here."""
-    if not v.unit:
-        return "1"
-    return v.unit if v.unit in UNITS else units.get(v.unit)
-
-
-def _known(definition: fmi.UnitDefinition) -> str | None:
-    """The symbol of the unit with the exponents and the factor of an FMU's definition."""
-    exponents = {name: n for name, n in definition.exponents.items() if n}
-    dimension = tuple(exponents.pop(base, 0) for base in ("kg", "m", "s", "rad"))
-    kelvin = exponents.pop("K", 0)
-    if exponents or definition.offset or definition.name in UNITS:
-        return definition.name if definition.name in UNITS else None
-
-    def same(unit: Unit) -> bool:
-        same_dimension = unit.dimension == dimension and unit.kelvin == kelvin
-        return same_dimension and math.isclose(unit.factor, definition.factor, rel_tol=1e-12)
-
-    return next((unit.symbol for unit in UNITS.values() if same(unit)), None)

@@ -16,9 +16,11 @@ from seacrane.fmi.description import (
 from seacrane.fmi.export import export
 from seacrane.fmi.fmu import Fmu, Kind, read
 from seacrane.fmi.instance import FmuInstance
+from seacrane.fmi.simulate import Deviation, compare, parse, run
 
 __all__ = [
     "CoSimulation",
+    "Deviation",
     "Dimension",
     "Experiment",
     "Fmu",
@@ -32,6 +34,9 @@ __all__ = [
     "Unknown",
     "Variable",
     "check",
+    "compare",
     "export",
+    "parse",
     "read",
+    "run",
 ]

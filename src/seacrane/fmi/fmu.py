@@ -81,8 +81,6 @@ class Fmu:
         raise FmuError.at(self.path.name, f"is not made for {kind}", allowed=there)
 
     def _binary(self, names: Sequence[str]) -> str:
-        if self.capabilities.needs_execution_tool:
-            raise FmuError.at(self.path.name, "needs the tool that made it in order to run, and cannot run by itself")
         version = self.description.fmi_version
         binary = binary_path(self.capabilities.model_identifier, version)
         if binary not in names:

@@ -71,7 +71,9 @@ class FmuInstance:
         self._component = self._create(debug) or 0
         if not self._component:
             function = self._api.prefix + self._api.creators[int(fmu.exchange)]
-            error = FmuError.at(name, f"{function} gave no instance{self._said()}")
+            tool = fmu.description.generation_tool or "the tool that made it"
+            hint = f"It needs {tool} to run." if fmu.capabilities.needs_execution_tool else None
+            error = FmuError.at(name, f"{function} gave no instance{self._said()}", hint=hint)
             error.function = function
             raise error
         fmu.open_instances += 1

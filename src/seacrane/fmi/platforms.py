@@ -1,4 +1,4 @@
-"""The platforms of FMI and the names of their binaries (FMI 2.0.4, section 2.3; FMI 3.0.1, section 2.5)."""
+"""The platforms of FMI 2.0 and 3.0 and the names of their binaries (FMI 2.0.4, section 2.3; FMI 3.0.2, section 2.5)."""
 
 from __future__ import annotations
 
@@ -8,23 +8,39 @@ from collections.abc import Iterable
 from pathlib import PurePosixPath
 from typing import Final
 
-_SYSTEMS: Final = {"linux": ("linux", "so"), "win32": ("win", "dll"), "darwin": ("darwin", "dylib")}
+SUFFIXES: Final = {"linux": "so", "windows": "dll", "darwin": "dylib"}
+"""Suffix of a shared library by operating system."""
+
+_SYSTEMS: Final = {"linux": "linux", "win32": "windows", "darwin": "darwin"}
+_SHORT: Final = {"linux": "linux", "windows": "win", "darwin": "darwin"}
+_MACHINES: Final = {"amd64": "x86_64", "arm64": "aarch64"}
+
+
+def this_platform() -> str:
+    """The platform of this machine as FMI 3.0 calls it, for example "x86_64-linux"."""
+    machine = platform.machine().lower()
+    return f"{_MACHINES.get(machine, machine)}-{_SYSTEMS.get(sys.platform, sys.platform)}"
+
+
+def folder_of(name: str, version: str = "2.0") -> tuple[str, str]:
+    """Folder below `binaries` and file suffix for a platform named as in FMI 3.0, in this version of FMI."""
+    machine, _, system = name.partition("-")
+    suffix = SUFFIXES.get(system, "so")
+    if version.startswith("3."):
+        return name, suffix
+    if machine == "x86_64" or system == "darwin":
+        return f"{_SHORT.get(system, system)}64", suffix
+    return name, suffix
 
 
 def host(version: str = "2.0") -> tuple[str, str]:
-    """Folder below `binaries` and file suffix of this machine: ("linux64", "so"); in FMI 3.0 ("x86_64-linux", "so")."""
-    system, suffix = _SYSTEMS.get(sys.platform, (sys.platform, "so"))
-    machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(platform.machine().lower(), platform.machine().lower())
-    if version != "2.0":
-        return f"{machine}-{'windows' if system == 'win' else system}", suffix
-    if machine == "x86_64" or system == "darwin":
-        return f"{system}{'64' if sys.maxsize > 2**32 else '32'}", suffix
-    return f"{machine}-{system}", suffix
+    """Folder below `binaries` and file suffix for this machine: ("linux64", "so") in FMI 2, "x86_64-linux" in FMI 3."""
+    return folder_of(this_platform(), version)
 
 
-def binary_path(identifier: str, version: str = "2.0") -> str:
-    """Where in the archive the binary for this machine is."""
-    folder, suffix = host(version)
+def binary_path(identifier: str, version: str = "2.0", name: str = "") -> str:
+    """Where in the archive the binary for a platform, or for this machine, is."""
+    folder, suffix = folder_of(name or this_platform(), version)
     return f"binaries/{folder}/{identifier}.{suffix}"
 
 

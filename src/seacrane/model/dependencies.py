@@ -1,8 +1,8 @@
-"""Which inputs and states an output or a state derivative depends on, the algebraic unknowns looked through."""
+"""Which inputs and states, and whether on time, outputs and state derivatives depend on, through algebraic unknowns."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
 import casadi as ca
 import numpy as np
@@ -11,15 +11,18 @@ from scipy.sparse.csgraph import connected_components
 
 from seacrane.model.dae import Dae
 
+TIME: Final = ""
+"""What stands for the time among the names."""
+
 
 def dependencies(dae: Dae) -> dict[str, tuple[str, ...]]:
-    """For each output and each derivative `der(x)`, the names of the inputs and states it may depend on.
+    """For each output and each derivative `der(x)`, the names of the inputs and states it may depend on, and `TIME`.
 
     An expression that uses one algebraic unknown is taken to depend on all that the equations connected with this
     unknown depend on; the result may name too many, never too few.
     """
-    known = ca.vertcat(dae.u, dae.x)
-    names = [v.name for v in dae.inputs + dae.states]
+    known = ca.vertcat(dae.u, dae.x, dae.t)
+    names = [v.name for v in dae.inputs + dae.states] + [TIME]
     through = _pattern(dae.alg, known)
     coupled = _pattern(dae.alg, dae.z)
     count = len(dae.algebraics)

@@ -89,6 +89,7 @@ class NativeModel:
         self.path = path
         self.sources = generated.sources
         self.entries = generated.entries
+        self.time = generated.time
         self.variables: Mapping[str, Entry] = {e.variable.name: e for e in generated.entries}
         self.by_reference: Mapping[int, Entry] = {e.reference: e for e in generated.entries}
         self.library = _declare(ctypes.CDLL(str(path)))

@@ -32,7 +32,7 @@ class _Keeping(Component):
     bond_graph = BondGraph()
 
     def check(self) -> Iterator[Problem]:
-        yield from _unit_problem(self, "unit", self.unit)
+        yield from _unit_problem("unit", self.unit)
 
     def interface(self) -> Mapping[str, Port]:
         return _in_units(type(self).ports, self.unit, self.unit)
@@ -46,8 +46,8 @@ class _Changing(Component):
     bond_graph = BondGraph()
 
     def check(self) -> Iterator[Problem]:
-        yield from _unit_problem(self, "takes", self.takes)
-        yield from _unit_problem(self, "gives", self.gives)
+        yield from _unit_problem("takes", self.takes)
+        yield from _unit_problem("gives", self.gives)
 
     def interface(self) -> Mapping[str, Port]:
         return _in_units(type(self).ports, self.takes, self.gives)
@@ -64,9 +64,9 @@ def _in_units(ports: Mapping[str, Port], takes: str, gives: str) -> Mapping[str,
     }
 
 
-def _unit_problem(block: Component, name: str, unit: object) -> Iterator[Problem]:
+def _unit_problem(name: str, unit: object) -> Iterator[Problem]:
     if unit not in UNITS:
-        yield Problem(f"{type(block).__name__}.{name}", f"unknown unit {unit!r}", hint=nearest(str(unit), UNITS))
+        yield Problem(name, f"unknown unit {unit!r}", hint=nearest(str(unit), UNITS))
 
 
 # ---------------------------------------------------------------- sources
@@ -138,7 +138,7 @@ class RecordedInput(_Keeping):
 
     def check(self) -> Iterator[Problem]:
         yield from super().check()
-        yield from _point_problems(self, self.points)
+        yield from _point_problems(self.points)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield m.y, piecewise_linear(m.time, self.points)
@@ -167,7 +167,7 @@ class Sum(_Keeping):
     def check(self) -> Iterator[Problem]:
         yield from super().check()
         if not isinstance(self.signs, str) or not self.signs or set(self.signs) - {"+", "-"}:
-            yield Problem(f"{type(self).__name__}.signs", "must be one sign for each input", self.signs, "such as '+-'")
+            yield Problem("signs", "must be one sign for each input", self.signs, "such as '+-'")
 
     def interface(self) -> Mapping[str, Port]:
         inputs = {f"u{i}": SignalIn(self.unit) for i in range(1, len(self.signs) + 1)}
@@ -187,26 +187,25 @@ class Table(_Changing):
 
     def check(self) -> Iterator[Problem]:
         yield from super().check()
-        yield from _point_problems(self, self.points)
+        yield from _point_problems(self.points)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield m.y, piecewise_linear(m.u, self.points)
 
 
-def _point_problems(block: Component, points: Any) -> Iterator[Problem]:
-    path = f"{type(block).__name__}.points"
+def _point_problems(points: Any) -> Iterator[Problem]:
     try:
         pairs = [(float(x), float(y)) for x, y in points]
     except (TypeError, ValueError):
-        yield Problem(path, "must be pairs of numbers", points)
+        yield Problem("points", "must be pairs of numbers", points)
         return
     if len(pairs) < 2:
-        yield Problem(path, f"needs at least two points, has {len(pairs)}")
+        yield Problem("points", f"needs at least two points, has {len(pairs)}")
     if not all(isfinite(number) for pair in pairs for number in pair):
-        yield Problem(path, "must be finite numbers")
+        yield Problem("points", "must be finite numbers")
     for (x0, _), (x1, _) in itertools.pairwise(pairs):
         if x1 <= x0:
-            yield Problem(path, f"must rise strictly, but {x1:g} follows {x0:g}")
+            yield Problem("points", f"must rise strictly, but {x1:g} follows {x0:g}")
             return
 
 
@@ -221,7 +220,7 @@ class Saturation(_Keeping):
 
     def check(self) -> Iterator[Problem]:
         yield from super().check()
-        yield from _limit_problem(self, self.low, self.high)
+        yield from _limit_problem(self.low, self.high)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield m.y, limit(m.u, self.low, self.high)
@@ -256,9 +255,9 @@ class RateLimit(_Keeping):
         yield m.y, y
 
 
-def _limit_problem(block: Component, low: float, high: float) -> Iterator[Problem]:
+def _limit_problem(low: float, high: float) -> Iterator[Problem]:
     if low >= high:
-        yield Problem(f"{type(block).__name__}.high", f"{high:g} must be above low = {low:g}")
+        yield Problem("high", f"{high:g} must be above low = {low:g}")
 
 
 # ---------------------------------------------------------------- dynamics
@@ -318,7 +317,7 @@ class PID(_Changing):
 
     def check(self) -> Iterator[Problem]:
         yield from super().check()
-        yield from _limit_problem(self, self.low, self.high)
+        yield from _limit_problem(self.low, self.high)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         e = m.reference - m.measured

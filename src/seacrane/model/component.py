@@ -155,7 +155,8 @@ class Component:
                 )
             return object.__new__(cls.levels[level] if level else next(iter(cls.levels.values())))
         if level is not None and level != cls.level:
-            raise ParameterError.at(cls.__name__, f"has no level {level!r}", allowed=str(cls.level))
+            only = f"is the level {cls.level!r}, not {level!r}" if cls.level else f"has no levels, so no {level!r}"
+            raise ParameterError.at(cls.__name__, only, hint="Leave `level` out.")
         return object.__new__(cls)
 
     def __init__(self, *, level: str | None = None, **parameters: Any) -> None:
@@ -176,11 +177,16 @@ class Component:
                 if problem:
                     problems.append(problem)
             object.__setattr__(self, field.name, value)
-        if problems or (problems := [*self.check()]):
+        if not problems:
+            problems = [dataclasses.replace(p, path=self._place(p.path)) for p in self.check()]
+        if problems:
             raise ParameterError(problems)
 
     def check(self) -> Iterator[Problem]:
-        """What is wrong with the parameters taken together (a rod thicker than the bore); each is sound by itself."""
+        """What is wrong with the parameters taken together (a rod thicker than the bore); each is sound by itself.
+
+        The path of a problem is the name of the parameter.
+        """
         yield from ()
 
     def interface(self) -> Mapping[str, Port]:
@@ -192,7 +198,15 @@ class Component:
         raise NotImplementedError
 
     def _place(self, name: str) -> str:
-        return f"{type(self).__name__}.{name}"
+        """A parameter as the user has written it: of an interface at some level."""
+        if self.level is None:
+            return f"{type(self).__name__}.{name}"
+        return f"{interface_of(type(self)).__name__}(level={self.level!r}).{name}"
+
+
+def interface_of(component: type[Component]) -> type[Component]:
+    """The interface of which this is a level; a component without levels is its own."""
+    return next(base for base in component.__mro__ if issubclass(base, Component) and base.level is None)
 
 
 def check_value(path: str, value: Any, declaration: Declaration, quantity: Quantity | None) -> Problem | None:

@@ -36,7 +36,7 @@ from seacrane import documents
 from seacrane.errors import ModelFileError, ParameterError, Problem, SeacraneError, StructureError, UnitError, nearest
 from seacrane.units import Quantity, display, parse, unit
 
-from .component import REGISTRY, Component, Declaration, check_value, shared_default
+from .component import REGISTRY, Component, Declaration, check_value, interface_of, shared_default
 from .diagram import Diagram, PortHandle
 
 FORMAT: Final = "seacrane-model/1"
@@ -76,7 +76,7 @@ class ModelRecord(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True)
 # ---------------------------------------------------------------- names of components
 def public_name(component: type[Component]) -> str:
     """The name of a component's interface in files: `hydraulics.DoubleActingCylinder`."""
-    interface = next(base for base in component.__mro__ if issubclass(base, Component) and base.level is None)
+    interface = interface_of(component)
     module = interface.__module__
     room = next((r for r, path in ROOMS.items() if module == path or module.startswith(path + ".")), module)
     return f"{room}.{interface.__name__}"
@@ -88,8 +88,7 @@ def interfaces() -> dict[str, type[Component]]:
         importlib.import_module(module)
     found: dict[str, type[Component]] = {}
     for component in REGISTRY:
-        interface = next(base for base in component.__mro__ if issubclass(base, Component) and base.level is None)
-        found[public_name(component)] = interface
+        found[public_name(component)] = interface_of(component)
     return found
 
 

@@ -140,7 +140,9 @@ def test_the_oil_at_a_pressure_holds_that_pressure(law, level):
 def test_an_accumulator_without_room_for_its_gas_is_refused():
     with pytest.raises(ParameterError) as caught:
         accumulator("adiabatic", oil=50 * l)
-    assert str(caught.value) == ("AdiabaticGasAccumulator.oil: 50 l leave no room for the gas; allowed: at most 49 l")
+    assert str(caught.value) == (
+        "GasAccumulator(level='adiabatic').oil: 50 l leave no room for the gas; allowed: at most 49 l"
+    )
 
 
 # ---------------------------------------------------------------- volumes

@@ -154,7 +154,7 @@ def test_a_slow_relief_valve_settles_where_the_static_one_is_and_overshoots_befo
 def test_a_reducing_valve_whose_pressures_are_the_wrong_way_round_is_refused():
     with pytest.raises(ParameterError) as caught:
         hyd.PressureReducingValve(shut=20 * bar, full=25 * bar, flow=FLOW, at=10 * bar)
-    assert str(caught.value) == "StaticPressureReducingValve.shut: 20 bar must be above full = 25 bar"
+    assert str(caught.value) == "PressureReducingValve(level='static').shut: 20 bar must be above full = 25 bar"
 
 
 # ---------------------------------------------------------------- pilot-operated check valve

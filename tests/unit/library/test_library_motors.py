@@ -117,7 +117,7 @@ def test_a_plunger_rests_on_its_end_stop(law):
 def test_a_plunger_that_starts_beyond_its_stroke_is_refused():
     with pytest.raises(ParameterError) as caught:
         plunger(extension=2.5)
-    assert str(caught.value) == "ExtendedSingleActingCylinder.extension: 2.5 m must not be above stroke = 2 m"
+    assert str(caught.value) == "SingleActingCylinder(level='extended').extension: 2.5 m must not be above stroke = 2 m"
 
 
 # ---------------------------------------------------------------- cushion

@@ -155,8 +155,8 @@ def test_a_rough_wall_beyond_the_law_and_a_line_without_segments_are_refused():
     with pytest.raises(ParameterError) as caught:
         hyd.Pipe(level="line", length=1.0, diameter=20 * mm, roughness=2 * mm, segments=0)
     assert str(caught.value) == (
-        "LinePipe.roughness: 2 mm leaves the range of the law; allowed: at most 1 mm, 5 % of the diameter\n"
-        "LinePipe.segments: is no number of segments (got 0); allowed: a whole number from 1 to 50"
+        "Pipe(level='line').roughness: 2 mm leaves the range of the law; allowed: at most 1 mm, 5 % of the diameter\n"
+        "Pipe(level='line').segments: is no number of segments (got 0); allowed: a whole number from 1 to 50"
     )
 
 

@@ -88,7 +88,7 @@ def test_a_floating_centre_without_a_dead_band_is_refused():
     with pytest.raises(ParameterError) as caught:
         valve43(float_centre=0.1, dead_band=0.0)
     assert str(caught.value) == (
-        "StaticDirectionalValve43.float_centre: needs a dead band to fade out in (got 0.1);"
+        "DirectionalValve43(level='static').float_centre: needs a dead band to fade out in (got 0.1);"
         " allowed: 0, or dead_band above 0"
     )
 
@@ -148,7 +148,7 @@ def test_the_dynamic_relief_follows_the_static_opening(law):
 def test_a_counterbalance_valve_that_closes_as_it_should_open_is_refused():
     with pytest.raises(ParameterError) as caught:
         counterbalance(full=200 * bar)
-    assert str(caught.value) == "StaticCounterbalanceValve.full: 200 bar must be above crack = 250 bar"
+    assert str(caught.value) == "CounterbalanceValve(level='static').full: 200 bar must be above crack = 250 bar"
 
 
 # ---------------------------------------------------------------- relief, check, anti-cavitation

@@ -3,7 +3,7 @@
 import dataclasses
 
 import pytest
-from parts import Chamber, Orifice, PressureSource
+from parts import Chamber, LinearOrifice, Orifice, PressureSource
 
 from seacrane.errors import ParameterError
 from seacrane.units import bar, mm
@@ -35,6 +35,16 @@ def test_what_is_not_a_finite_number_is_refused(value):
 def test_an_unknown_level_names_the_levels_there_are():
     text = refused(lambda: Orifice(diameter=5 * mm, level="turbulant"))
     assert "has no level 'turbulant'; allowed: turbulent, linear. Did you mean 'turbulent'?" in text
+    assert "Chamber: has no levels, so no 'real'" in refused(lambda: Chamber(volume=1.0, level="real"))
+    assert "LinearOrifice: is the level 'linear', not 'real'" in refused(
+        lambda: LinearOrifice(diameter=5 * mm, level="real")
+    )
+
+
+def test_a_parameter_is_named_as_the_user_has_written_it():
+    text = refused(lambda: Orifice(diameter=-5 * mm, level="linear"))
+    assert text.startswith("Orifice(level='linear').diameter: -0.005 m")
+    assert refused(lambda: Chamber(volume=-1.0)).startswith("Chamber.volume: ")
 
 
 def test_out_of_range_is_shown_in_si_and_in_the_engineering_unit():

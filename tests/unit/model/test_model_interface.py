@@ -13,7 +13,7 @@ class Window(Component):
 
     def check(self):
         if self.low >= self.high:
-            yield Problem("Window.high", "must be above low", self.high)
+            yield Problem("high", "must be above low", self.high)
 
 
 class Copy(Component):

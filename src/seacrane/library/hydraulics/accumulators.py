@@ -60,8 +60,7 @@ class GasAccumulator(Component):
     def check(self) -> Iterator[Problem]:
         most = (1 - SQUEEZED) * self.volume
         if self.oil > most:
-            name = f"{type(self).__name__}.oil"
-            yield Problem(name, f"{self.oil / l:g} l leave no room for the gas", allowed=f"at most {most / l:g} l")
+            yield Problem("oil", f"{self.oil / l:g} l leave no room for the gas", allowed=f"at most {most / l:g} l")
 
     def gas(self, m: Any) -> tuple[Any, Any]:
         """The state of the oil, and the volume of the gas [m3]."""

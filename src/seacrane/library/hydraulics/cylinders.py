@@ -94,11 +94,10 @@ class DoubleActingCylinder(Component):
     sources: ClassVar[tuple[str, ...]] = (f"{MERRITT}, chapter 6", DISSERTATION)
 
     def check(self) -> Iterator[Problem]:
-        name = type(self).__name__
         if self.rod >= self.bore:
-            yield Problem(f"{name}.rod", f"{self.rod / mm:g} mm must be below bore = {self.bore / mm:g} mm")
+            yield Problem("rod", f"{self.rod / mm:g} mm must be below bore = {self.bore / mm:g} mm")
         if self.extension > self.stroke:
-            yield Problem(f"{name}.extension", f"{self.extension:g} m must not be above stroke = {self.stroke:g} m")
+            yield Problem("extension", f"{self.extension:g} m must not be above stroke = {self.stroke:g} m")
 
     @property
     def piston_area(self) -> Area:
@@ -232,9 +231,8 @@ class SingleActingCylinder(Component):
     sources: ClassVar[tuple[str, ...]] = (f"{MERRITT}, chapter 6", DISSERTATION)
 
     def check(self) -> Iterator[Problem]:
-        name = type(self).__name__
         if self.extension > self.stroke:
-            yield Problem(f"{name}.extension", f"{self.extension:g} m must not be above stroke = {self.stroke:g} m")
+            yield Problem("extension", f"{self.extension:g} m must not be above stroke = {self.stroke:g} m")
 
     @property
     def area(self) -> Area:

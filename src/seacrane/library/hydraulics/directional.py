@@ -70,8 +70,9 @@ class DirectionalValve43(Component):
 
     def check(self) -> Iterator[Problem]:
         if self.float_centre > 0 and self.dead_band == 0:
-            name = f"{type(self).__name__}.float_centre"
-            yield Problem(name, "needs a dead band to fade out in", self.float_centre, "0, or dead_band above 0")
+            yield Problem(
+                "float_centre", "needs a dead band to fade out in", self.float_centre, "0, or dead_band above 0"
+            )
 
     def metering_drop(self, dp: Any) -> Any:
         """The pressure drop that an inlet edge sees, of the drop `dp` from p to a or b."""

@@ -121,7 +121,7 @@ class Filter(Component):
     sources = ("ISO 3968:2017 (pressure drop of filters over flow)",)
 
     def check(self) -> Iterator[Problem]:
-        yield from rising(type(self).__name__, ("crack", self.crack), ("full", self.full))
+        yield from rising(("crack", self.crack), ("full", self.full))
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         dp = m.a.p - m.b.p

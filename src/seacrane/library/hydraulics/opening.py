@@ -18,8 +18,8 @@ def opening(pressure: Any, crack: Any, full: Any) -> Any:
     return smooth_limit((pressure - crack) / (full - crack), 0.0, 1.0, ROUNDING)
 
 
-def rising(name: str, crack: tuple[str, float], full: tuple[str, float]) -> Iterator[Problem]:
+def rising(crack: tuple[str, float], full: tuple[str, float]) -> Iterator[Problem]:
     """What is wrong with a pair of pressures, given by name, of which the second must be the higher."""
     if crack[1] >= full[1]:
         what = f"must be above {crack[0]} = {crack[1] / bar:g} bar"
-        yield Problem(f"{name}.{full[0]}", f"{full[1] / bar:g} bar {what}")
+        yield Problem(full[0], f"{full[1] / bar:g} bar {what}")

@@ -87,7 +87,7 @@ class ResistivePipe(Pipe, level="resistance"):
     sources = (*Pipe.sources, HAALAND)
 
     def check(self) -> Iterator[Problem]:
-        yield from _roughness_problem(self, self.roughness, self.diameter)
+        yield from _roughness_problem(self.roughness, self.diameter)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         drop = _friction_drop(m.a.q, self.length, self.diameter, self.density, self.viscosity, self.roughness)
@@ -153,10 +153,10 @@ class LinePipe(Pipe, level="line"):
     sources = (*Pipe.sources, HAALAND)
 
     def check(self) -> Iterator[Problem]:
-        yield from _roughness_problem(self, self.roughness, self.diameter)
+        yield from _roughness_problem(self.roughness, self.diameter)
         if not isinstance(self.segments, int) or not 1 <= self.segments <= _MOST_SEGMENTS:
-            path, allowed = f"{type(self).__name__}.segments", f"a whole number from 1 to {_MOST_SEGMENTS}"
-            yield Problem(path, "is no number of segments", self.segments, allowed)
+            allowed = f"a whole number from 1 to {_MOST_SEGMENTS}"
+            yield Problem("segments", "is no number of segments", self.segments, allowed)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield from _chain(m, self, self.segments, self.bulk_modulus)
@@ -186,7 +186,7 @@ class Hose(Component):
     sources = (f"{MERRITT}, chapter 2", WHITE, HAALAND)
 
     def check(self) -> Iterator[Problem]:
-        yield from _roughness_problem(self, self.roughness, self.diameter)
+        yield from _roughness_problem(self.roughness, self.diameter)
 
     @property
     def area(self) -> Area:
@@ -229,9 +229,7 @@ def _chain(m: Any, pipe: LinePipe | Hose, segments: int, modulus: Any) -> Iterat
     m.observe("inertia_power", hastening, "W", "power into the motion of the oil")
 
 
-def _roughness_problem(pipe: Component, roughness: Ratio, diameter: Diameter) -> Iterator[Problem]:
+def _roughness_problem(roughness: Ratio, diameter: Diameter) -> Iterator[Problem]:
     if roughness > 0.05 * diameter:
         allowed = f"at most {0.05 * diameter / mm:g} mm, 5 % of the diameter"
-        yield Problem(
-            f"{type(pipe).__name__}.roughness", f"{roughness / mm:g} mm leaves the range of the law", allowed=allowed
-        )
+        yield Problem("roughness", f"{roughness / mm:g} mm leaves the range of the law", allowed=allowed)

@@ -204,9 +204,8 @@ class ShaftPump(Component):
 
     def check(self) -> Iterator[Problem]:
         if self.full_stroke > self.pressure:
-            name = type(self).__name__
             what = f"{self.full_stroke / bar:g} bar must not be above pressure = {self.pressure / bar:g} bar"
-            yield Problem(f"{name}.full_stroke", what)
+            yield Problem("full_stroke", what)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         dp, w = m.p.p - m.s.p, m.shaft.w

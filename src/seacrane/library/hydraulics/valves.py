@@ -50,7 +50,7 @@ class CounterbalanceValve(Component):
     sources = (DISSERTATION,)
 
     def check(self) -> Iterator[Problem]:
-        yield from rising(type(self).__name__, ("crack", self.crack), ("full", self.full))
+        yield from rising(("crack", self.crack), ("full", self.full))
 
     def relief_opening(self, m: Any) -> Any:
         """Opening of the relief at the pressures of this instant."""
@@ -107,7 +107,7 @@ class ReliefValve(Component):
     sources = (DISSERTATION,)
 
     def check(self) -> Iterator[Problem]:
-        yield from rising(type(self).__name__, ("crack", self.crack), ("full", self.full))
+        yield from rising(("crack", self.crack), ("full", self.full))
 
     def seat(self, m: Any, k: Any) -> Iterator[tuple[Any, Any]]:
         """The flow at the opening k."""
@@ -162,7 +162,7 @@ class PressureReducingValve(Component):
     sources = ("J. Watton, Fundamentals of Fluid Power Control, 2009",)
 
     def check(self) -> Iterator[Problem]:
-        yield from rising(type(self).__name__, ("full", self.full), ("shut", self.shut))
+        yield from rising(("full", self.full), ("shut", self.shut))
 
     def seat(self, m: Any, k: Any) -> Iterator[tuple[Any, Any]]:
         """The flow at the opening k."""
@@ -210,7 +210,7 @@ class CheckValve(Component):
     icon = symbols.CHECK_VALVE
 
     def check(self) -> Iterator[Problem]:
-        yield from rising(type(self).__name__, ("crack", self.crack), ("full", self.full))
+        yield from rising(("crack", self.crack), ("full", self.full))
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         dp = m.a.p - m.b.p
@@ -245,7 +245,7 @@ class PilotOperatedCheckValve(Component):
     sources = ("J. Watton, Fundamentals of Fluid Power Control, 2009",)
 
     def check(self) -> Iterator[Problem]:
-        yield from rising(type(self).__name__, ("crack", self.crack), ("full", self.full))
+        yield from rising(("crack", self.crack), ("full", self.full))
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         dp = m.a.p - m.b.p
@@ -278,7 +278,7 @@ class AnticavitationValve(Component):
     sources = (DISSERTATION,)
 
     def check(self) -> Iterator[Problem]:
-        yield from rising(type(self).__name__, ("crack", self.crack), ("full", self.full))
+        yield from rising(("crack", self.crack), ("full", self.full))
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         dp = m.t.p - m.a.p

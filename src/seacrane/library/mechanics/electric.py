@@ -44,7 +44,7 @@ class ElectricMotor(Component):
         synchronous = 2 * pi * self.mains / self.pole_pairs
         if self.speed > synchronous:
             what = f"{self.speed / rpm:g} rpm must not be above the synchronous {synchronous / rpm:g} rpm"
-            yield Problem(f"{type(self).__name__}.speed", what)
+            yield Problem("speed", what)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         w = m.state("speed", unit="rad/s", start=self.speed, nominal=100.0, about="speed of the rotor")

@@ -100,10 +100,11 @@ class Equations:
     def state(
         self, name: str, *, unit: str, start: float = 0.0, nominal: float = 1.0, about: str = "", shown: str = ""
     ) -> Any:
-        """A new state; its rate is `m.der(state)`."""
+        """A new state; its rate is `m.der(state)`. `start` and `nominal` are numbers."""
         path = f"{self._path}.{name}"
         symbol = ca.SX.sym(path)
-        variable = Variable(path, unit, float(start), nominal, about=about, shown=shown)
+        start, nominal = _number(path, "start value", start), _number(path, "nominal value", nominal)
+        variable = Variable(path, unit, start, nominal, about=about, shown=shown)
         self._flat.states[path] = (variable, symbol)
         self._ders[path] = self._flat.unknown(Variable(f"der({path})", "1", about=f"rate of {path}"), path)
         return symbol
@@ -114,7 +115,9 @@ class Equations:
 
     def unknown(self, name: str, *, unit: str = "1", start: float = 0.0, nominal: float = 1.0, about: str = "") -> Any:
         """A new algebraic unknown, determined by an equation of the law."""
-        return self._flat.unknown(Variable(f"{self._path}.{name}", unit, start, nominal, about=about))
+        path = f"{self._path}.{name}"
+        start, nominal = _number(path, "start value", start), _number(path, "nominal value", nominal)
+        return self._flat.unknown(Variable(path, unit, start, nominal, about=about))
 
     def observe(self, name: str, expression: Any, unit: str = "1", about: str = "", shown: str = "") -> None:
         """A named quantity to look at; it determines nothing."""
@@ -133,6 +136,21 @@ class Equations:
     def _add(self, name: str, power: Any, about: str) -> None:
         self._account[name] = self._account.get(name, 0) + power
         self.observe(name, self._account[name], "W", about)
+
+
+def _number(path: str, what: str, value: Any) -> float:
+    """A start or nominal value; `StructureError` for a symbol: parameters are symbols while a law is written."""
+    if isinstance(value, ca.SX) and not value.is_constant():
+        symbols = ", ".join(s.name() for s in ca.symvar(value))
+        raise StructureError.at(
+            path,
+            f"has a {what} that depends on the parameter {symbols}, but it must be a number",
+            hint="Declare what a state starts from as `initial`, not as `parameter`: it stays a number in the law.",
+        )
+    number = float(value)
+    if not math.isfinite(number):
+        raise StructureError.at(path, f"has a {what} that is not a finite number", value=number)
+    return number
 
 
 def flatten(diagram: Diagram) -> Flat:

@@ -19,8 +19,8 @@ from parts import (
 )
 
 from seacrane.errors import StructureError
-from seacrane.model import Diagram
-from seacrane.units import bar, l, mm
+from seacrane.model import Component, Diagram, SignalIn, initial, parameter
+from seacrane.units import Length, bar, l, mm
 
 
 def evaluate(dae, x=(), z=(), u=(), p=None):
@@ -223,3 +223,40 @@ def test_a_signal_in_the_wrong_unit_is_refused():
 
 def test_sources_of_the_laws_are_collected():
     assert filling().compile().sources == ("Merritt, Hydraulic Control Systems, 1967, eq. 3-30",)
+
+
+class Tank(Component):
+    height: Length = parameter("height of the tank", above=0)
+    full: Length = initial("level at the start")
+    ports = {"u": SignalIn("m")}
+
+    def begins(self):
+        return self.height
+
+    def equations(self, m):
+        level = m.state("level", unit="m", start=self.begins())
+        yield m.der(level), m.u - level
+
+
+class TankFromNumber(Tank):
+    def begins(self):
+        return self.full
+
+
+class TankFromNowhere(Tank):
+    def begins(self):
+        return float("inf")
+
+
+def draining(tank):
+    diagram = Diagram("d")
+    diagram.expose(u=diagram.add("tank", tank).u)
+    return diagram
+
+
+def test_a_state_that_starts_from_a_parameter_is_told_to_start_from_an_initial_value():
+    text = refused(draining(Tank(height=2.0)))
+    assert "tank.level: has a start value that depends on the parameter tank.height, but it must be a number" in text
+    assert "Declare what a state starts from as `initial`" in text
+    assert draining(TankFromNumber(height=2.0, full=1.5)).compile().states[0].start == 1.5
+    assert "start value that is not a finite number (got inf)" in refused(draining(TankFromNowhere(height=2.0)))

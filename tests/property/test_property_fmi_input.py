@@ -32,6 +32,24 @@ SOUND = b"""<?xml version="1.0" encoding="UTF-8"?>
 </fmiModelDescription>
 """
 
+THREE = b"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="3.0" modelName="m" instantiationToken="g" variableNamingConvention="structured">
+  <CoSimulation modelIdentifier="m" hasEventMode="true"/>
+  <UnitDefinitions><Unit name="m"><BaseUnit m="1"/><DisplayUnit name="mm" factor="1000"/></Unit></UnitDefinitions>
+  <ModelVariables>
+    <Float64 name="time" valueReference="0" causality="independent"/>
+    <Float64 name="u" valueReference="1" causality="input" unit="m" start="0"/>
+    <UInt64 name="n" valueReference="2" causality="structuralParameter" start="2"/>
+    <Float64 name="k" valueReference="3" causality="parameter" start="1 2"><Dimension valueReference="2"/></Float64>
+    <Binary name="b" valueReference="4" causality="parameter"><Start value="00ff"/></Binary>
+    <Float64 name="y" valueReference="5" causality="output"><Alias name="z"/></Float64>
+  </ModelVariables>
+  <ModelStructure>
+    <Output valueReference="5" dependencies="1" dependenciesKind="dependent"/><InitialUnknown valueReference="5"/>
+  </ModelStructure>
+</fmiModelDescription>
+"""
+
 QUICK = settings(
     max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True
 )
@@ -41,7 +59,8 @@ def archive_of(text: bytes) -> bytes:
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr(zipfile.ZipInfo("modelDescription.xml"), text)
-        archive.writestr(zipfile.ZipInfo("binaries/linux64/m.so"), b"x" * 100)
+        for platform in ("linux64", "x86_64-linux"):
+            archive.writestr(zipfile.ZipInfo(f"binaries/{platform}/m.so"), b"x" * 100)
     return buffer.getvalue()
 
 
@@ -57,10 +76,13 @@ splices = {
 }
 
 
+@pytest.mark.parametrize("sound", [SOUND, THREE], ids=["2.0", "3.0"])
 @QUICK
 @given(**splices)
-def test_a_description_with_a_piece_replaced(place: float, length: int, piece: bytes, tmp_path: Path) -> None:
-    text = spliced(SOUND, place, length, piece)
+def test_a_description_with_a_piece_replaced(
+    sound: bytes, place: float, length: int, piece: bytes, tmp_path: Path
+) -> None:
+    text = spliced(sound, place, length, piece)
     with contextlib.suppress(FmuError):
         read_description(parse_xml(text))
     path = tmp_path / "m.fmu"
@@ -78,9 +100,10 @@ def test_an_archive_with_a_piece_replaced(place: float, length: int, piece: byte
     assert [p.name for p in tmp_path.iterdir()] == ["m.fmu"]
 
 
-def test_the_sound_one_passes(tmp_path: Path) -> None:
+@pytest.mark.parametrize("sound", [SOUND, THREE], ids=["2.0", "3.0"])
+def test_the_sound_one_passes(sound: bytes, tmp_path: Path) -> None:
     path = tmp_path / "m.fmu"
-    path.write_bytes(archive_of(SOUND))
+    path.write_bytes(archive_of(sound))
     assert fmi.check(path) == []
     with pytest.raises(FmuError, match="cannot be loaded"):
         fmi.Fmu(path)

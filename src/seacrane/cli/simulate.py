@@ -73,6 +73,8 @@ def _simulate(options: argparse.Namespace) -> int:
         raise
     _write(run, options, [v.name for v in dae.inputs + dae.outputs])
     print(f"{diagram.name}: {options.until:g} s simulated")
+    for doubt in run.doubts:
+        print(f"seacrane: {doubt}", file=sys.stderr)
     if run.statistics is not None:
         done = run.statistics
         print(f"{done.solver}: {done.steps} steps, {done.cpu_time:.3g} s, real-time factor {done.real_time_factor:.2g}")

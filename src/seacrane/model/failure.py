@@ -1,4 +1,7 @@
-"""Why a run stopped: what stands out at the point that it reached, each finding with what to try."""
+"""What is wrong with a run: why it stopped, or what it went through that the laws do not hold for.
+
+Each finding names a variable and what to try.
+"""
 
 from __future__ import annotations
 
@@ -29,6 +32,8 @@ DEEP = 1e-3
 
 ABSURD = 1e6
 """A state beyond this many nominal values is on its way to infinity, and says nothing any more."""
+
+LET_IN = "Let oil in: an AnticavitationValve from the tank, or a raised tank pressure."
 
 Samples = Mapping[str, tuple[ArrayLike, ArrayLike]]
 
@@ -101,13 +106,13 @@ def _values(dae: Dae, stop: Stop) -> Iterator[tuple[Variable, float]]:
 
 def _impossible_pressures(dae: Dae, stop: Stop) -> Iterator[Problem]:
     for v, value in _values(dae, stop):
-        if v.unit != "Pa":
+        if not _is_pressure(v):
             continue
         if value < VACUUM:
             yield Problem(
                 v.name,
                 f"is at {_shown(v, value)} (gauge), at or below vacuum: the oil there would cavitate",
-                hint="Let oil in: an AnticavitationValve from the tank, or a raised tank pressure.",
+                hint=LET_IN,
             )
         elif value > BURST:
             yield Problem(
@@ -120,17 +125,55 @@ def _impossible_pressures(dae: Dae, stop: Stop) -> Iterator[Problem]:
 def _beyond_the_stroke(dae: Dae, stop: Stop) -> Iterator[Problem]:
     parameters = {v.name: float(p) for v, p in zip(dae.parameters, stop.point.p, strict=True)}
     for v, value in zip(dae.states, stop.point.x.tolist(), strict=True):
-        owner, _, name = v.name.rpartition(".")
-        stroke = parameters.get(f"{owner}.stroke")
-        if name != "extension" or stroke is None or -DEEP <= value <= stroke + DEEP:
-            continue
-        stop_there = f"{owner}.stop_stiffness" in parameters
-        cure = (
-            f"Brake earlier, or see whether {owner}.stop_stiffness and {owner}.stop_damping fit the load."
-            if stop_there
-            else "This level has no end stops: brake earlier, or take the level 'extended'."
-        )
-        yield Problem(v.name, f"is at {value:.4g} m, beyond its stroke of 0 to {stroke:g} m", hint=cure)
+        stroke = _stroke(v, parameters)
+        if stroke is not None and not -DEEP <= value <= stroke + DEEP:
+            message = f"is at {value:.4g} m, beyond its stroke of 0 to {stroke:g} m"
+            yield Problem(v.name, message, hint=_before_the_stop(v, parameters))
+
+
+def _stroke(variable: Variable, parameters: Mapping[str, float]) -> float | None:
+    owner, _, name = variable.name.rpartition(".")
+    return parameters.get(f"{owner}.stroke") if name == "extension" else None
+
+
+def _before_the_stop(variable: Variable, parameters: Mapping[str, float]) -> str:
+    owner = variable.name.rpartition(".")[0]
+    if f"{owner}.stop_stiffness" in parameters:
+        return f"Brake earlier, or see whether {owner}.stop_stiffness and {owner}.stop_damping fit the load."
+    return "This level has no end stops: brake earlier, or take the level 'extended'."
+
+
+def _is_pressure(variable: Variable) -> bool:
+    """Whether it is a pressure of oil; a signal or a difference in pascal is none."""
+    name = variable.name.rpartition(".")[2]
+    return variable.unit == "Pa" and (name == "p" or name.startswith("pressure"))
+
+
+def doubts(dae: Dae, times: Reals, seen: Mapping[str, Reals], settings: Mapping[str, float]) -> Iterator[Problem]:
+    """What a run went through that its laws do not hold for: extensions beyond the stroke, pressures below vacuum.
+
+    `seen` holds recorded values by name, `settings` the parameters that are not the model's own.
+    """
+    parameters = {v.name: settings.get(v.name, v.start) for v in dae.parameters}
+    for v in dae.states + dae.algebraics:
+        values = seen.get(v.name, times[:0])
+        stroke = _stroke(v, parameters)
+        if stroke is not None:
+            beyond = np.maximum(-values, values - stroke)
+            if at := _first(beyond > DEEP):
+                message = f"is beyond its stroke of 0 to {stroke:g} m from t = {times[at[0]]:g} s on"
+                most = f", by up to {np.max(beyond):.4g} m"
+                yield Problem(v.name, message + most, hint=_before_the_stop(v, parameters))
+        elif _is_pressure(v) and (at := _first(values < VACUUM)):
+            message = (
+                f"is at or below vacuum from t = {times[at[0]]:g} s on, down to {_shown(v, float(np.min(values)))}"
+            )
+            yield Problem(v.name, message + ": the oil there would cavitate", hint=LET_IN)
+
+
+def _first(found: Any) -> list[int]:
+    """The index of the first true entry, or nothing."""
+    return [int(i) for i in np.flatnonzero(found)[:1]]
 
 
 def _jumps(dae: Dae, stop: Stop) -> Iterator[Problem]:

@@ -16,6 +16,7 @@ from seacrane.results import Recording, Signal
 from .classical import BDF, LSODA, Adams, Radau
 from .dae import Dae
 from .diagram import Diagram
+from .failure import doubts
 from .native import NativeModel, build
 from .solvers import (
     RODAS4,
@@ -47,9 +48,14 @@ SOLVERS: Final[Mapping[str, Solver]] = {
 
 @dataclass(frozen=True, eq=False)
 class Run(Recording):
-    """What a run of a model has given, and what it has cost."""
+    """What a run of a model has given, and what it has cost.
+
+    `doubts` tells where it left the range of its laws: a cylinder beyond its stroke, a pressure below vacuum. Only what
+    was recorded is looked at.
+    """
 
     statistics: RunStatistics | None = None
+    doubts: tuple[Problem, ...] = ()
 
 
 def simulate(
@@ -73,7 +79,7 @@ def simulate(
     relative, of adaptive solvers. progress: True shows a bar if the run takes longer than two seconds, False does not,
     None does so on a terminal; a function is called with the time reached and `until`. (SUNDIALS reports the end only.)
 
-    The result's `statistics` tell steps, CPU time and real-time factor.
+    The result's `statistics` tell steps, CPU time and real-time factor, its `doubts` what not to believe.
 
     Raises `ParameterError` for an unknown name, `SolveError` where the integration fails; its `results` are then the
     `Run` up to there.
@@ -106,7 +112,9 @@ def simulate(
     signals = {
         n: Signal(variables[n].unit, variables[n].display_unit, outcome.values[:, i]) for i, n in enumerate(names)
     }
-    run = Run(times[: len(outcome.values)], signals, outcome.statistics)
+    done = times[: len(outcome.values)]
+    seen = dict(zip(names, outcome.values.T, strict=True))
+    run = Run(done, signals, outcome.statistics, tuple(doubts(native.dae, done, seen, task.constants)))
     if outcome.error is not None:
         outcome.error.results = run
         raise outcome.error

@@ -19,6 +19,7 @@ from seacrane.units import UNITS
 
 from .dae import Dae, Variable
 from .diagram import Diagram
+from .singular import Point, undetermined_at
 from .start import starts
 
 STILL = 1e-7
@@ -128,7 +129,7 @@ class _Trimming:
             if at_rest and change <= 1e-8:
                 return self._result(dae, y, f, n)
             step = min(step * min(10.0, max(1.5, 0.2 / max(change, 1e-12))), 1e12)
-        raise self._unsettled(f, settling)
+        raise self._unsettled(y, f, settling)
 
     def _evaluate(self, y: Reals) -> tuple[Reals, Reals]:
         n = len(self.dae.states)
@@ -147,11 +148,12 @@ class _Trimming:
         z = solve_equations(residual, self.z, self.nominal[n:])
         if z is None:
             names = ", ".join(v.name for v in self.dae.algebraics[:4])
-            raise SolveError.at(
+            told = Problem(
                 self.dae.name,
                 f"the algebraic equations have no solution at the start values (unknowns: {names})",
                 hint="Give other start values to these or to the states around them, through `parameters`.",
             )
+            raise SolveError([told, *self._undetermined(self.x, self.z, "the start values")])
         self.z = z
 
     def _result(self, dae: Dae, y: Reals, f: Reals, n: int) -> Trim:
@@ -166,21 +168,27 @@ class _Trimming:
     def _not_finite(self, f: Reals) -> SolveError:
         names = [v.name for v in self.dae.states + self.dae.algebraics]
         first = names[int(np.flatnonzero(~np.isfinite(f))[0])]
-        return SolveError.at(
+        told = Problem(
             self.dae.name,
             f"the equation of {first} gives no finite value at the start values",
             hint="Look at the parameters and start values of that component.",
         )
+        return SolveError([told, *self._undetermined(self.x, self.z, "the start values")])
 
-    def _unsettled(self, f: Reals, settling: Any) -> SolveError:
+    def _undetermined(self, x: Reals, z: Reals, when: str) -> list[Problem]:
+        return [*undetermined_at(self.dae, Point(0.0, x, z, self.u, self.p), when)]
+
+    def _unsettled(self, y: Reals, f: Reals, settling: Any) -> SolveError:
         relative = np.abs(f[settling]) / self.scale[settling]
         worst = [settling[k] for k in np.argsort(-relative) if relative[k] > STILL][:3]
         if not worst:
-            return SolveError.at(
+            told = Problem(
                 self.dae.name,
                 "comes to no steady state, though no state moves: the algebraic equations are singular there",
                 hint="A closed valve leaves pressures undetermined: give it a little leakage.",
             )
+            n = len(self.dae.states)
+            return SolveError([told, *self._undetermined(y[:n], y[n:], "that point")])
         problems = []
         for i in worst:
             v = self.dae.states[i]

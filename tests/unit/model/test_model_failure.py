@@ -24,6 +24,7 @@ from seacrane.model import (
     SignalIn,
     parameter,
     simulate,
+    trim,
 )
 from seacrane.units import Ratio, bar, l, l_min, mm
 
@@ -133,6 +134,13 @@ def test_a_closed_variable_orifice_is_found():
     assert "It is determined if k is above 0" in str(diagram.report())
 
 
+def test_trimming_behind_a_closed_valve_names_what_is_undetermined():
+    with pytest.raises(SolveError) as caught:
+        trim(pushing(), inputs={"k": 0.0})
+    assert "valve.b.p: nothing determines it at the start values" in str(caught.value)
+    assert "valve.leakage" in str(caught.value)
+
+
 # ---------------------------------------------------------------- values that leave the range of a law
 class GasThrottle(Component):
     """Flow of a gas: its density, and with it the flow, falls with the absolute pressure."""
@@ -192,6 +200,40 @@ def test_the_step_that_is_proposed_to_an_explicit_method_is_stable():
     assert run["cylinder.extension"][-1] == pytest.approx(exact["cylinder.extension"][-1], abs=1e-3)
 
 
+# ---------------------------------------------------------------- runs that end, and should not be believed
+def test_a_cylinder_without_end_stops_that_runs_beyond_its_stroke_is_doubted_with_the_time():
+    run = simulate(boom(), 20.0, inputs={"spool": 1.0})
+    (doubt,) = run.doubts
+    assert doubt.path == "cylinder.extension"
+    reached = run.time[run["cylinder.extension"] > 1.001][0]
+    beyond = run["cylinder.extension"].max() - 1.0
+    assert f"beyond its stroke of 0 to 1 m from t = {reached:g} s on, by up to {beyond:.4g} m" in doubt.message
+    assert "take the level 'extended'" in doubt.hint
+
+
+def test_a_start_beyond_the_stroke_given_to_a_run_is_doubted_from_its_beginning():
+    (doubt,) = simulate(boom(), 0.1, parameters={"cylinder.extension": -0.2}).doubts
+    assert "from t = 0 s on, by up to 0.2 m" in doubt.message
+    assert simulate(boom(), 0.1, parameters={"cylinder.extension": 1.2, "cylinder.stroke": 1.5}).doubts == ()
+
+
+def test_an_end_stop_that_yields_as_it_should_is_not_doubted():
+    run = simulate(pushed(0.5), 1.0)
+    assert run["cylinder.extension"].max() > 1.0
+    assert run.doubts == ()
+
+
+def test_a_line_that_is_sucked_below_vacuum_is_doubted():
+    diagram = Diagram("suction")
+    chamber, pump = diagram.add("chamber", Chamber(volume=1 * l)), diagram.add("pump", FlowInput())
+    diagram.connect(chamber.a, pump.p)
+    diagram.expose(flow=pump.set)
+    (doubt,) = simulate(diagram, 0.1, inputs={"flow": -1e-5}).doubts
+    assert "chamber.p: is at or below vacuum from t = 0.02 s on, down to -10 bar" in str(doubt)
+    assert simulate(diagram, 0.1, inputs={"flow": 1e-5}).doubts == ()
+
+
+# ---------------------------------------------------------------- where nothing in particular stands out
 class Escape(Component):
     """dx/dt = x^2 + k: from 1 on it is infinite after one second, for no reason that the diagram would show."""
 

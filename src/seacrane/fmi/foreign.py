@@ -10,6 +10,7 @@ from typing import Any, Final
 from seacrane.errors import FmuError, Problem
 from seacrane.fmi.api import FMI2, Api, address
 from seacrane.fmi.description import REALS, ModelDescription
+from seacrane.fmi.reading3 import MOST_ELEMENTS
 from seacrane.native import build_library, source
 
 
@@ -32,6 +33,9 @@ class State(ctypes.Structure):
         ("message", c_char * 256),
     )  # fmt: skip
 
+
+MOST_STATES: Final = 5000
+"""Continuous states that the solver takes: its two dense matrices then need 400 MB."""
 
 _SAVED: Final = slice(State.time.offset, State.message.offset)
 
@@ -62,6 +66,7 @@ class Foreign:
         tolerance: float,
     ) -> None:
         self.c = adapter()
+        self._memory: Any = (c_double * 0)()
         if event_mode:
             needed = [f"{api.prefix}{n}" for n in ("EnterEventMode", "UpdateDiscreteStates", "EnterStepMode")]
             missing = [function for function in needed if not hasattr(library, function)]
@@ -111,7 +116,10 @@ class Foreign:
         return addressof(self.state)
 
     def size(self, states: int, indicators: int) -> None:
-        """Gives the solver its memory."""
+        """Gives the solver its memory. `FmuError` if the model is too large for its dense matrices."""
+        if states > MOST_STATES or indicators > MOST_ELEMENTS:
+            allowed = f"at most {MOST_STATES} states and {MOST_ELEMENTS} event indicators"
+            raise FmuError.at("", "the model is too large to be integrated here", value=states, allowed=allowed)
         self.state.n, self.state.m = states, indicators
         self._memory = (c_double * self.c.seacrane_foreign_room(states, indicators))()
         self.state.memory = addressof(self._memory)
@@ -127,7 +135,7 @@ class Foreign:
     def restore(self, saved: bytes) -> None:
         length = _SAVED.stop - _SAVED.start
         ctypes.memmove(self.handle + _SAVED.start, saved[:length], length)
-        ctypes.memmove(self._memory, saved[length:], len(bytes(self._memory)))
+        ctypes.memmove(self._memory, saved[length:], ctypes.sizeof(self._memory))
 
     @property
     def saved_size(self) -> int:

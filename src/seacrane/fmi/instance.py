@@ -123,6 +123,11 @@ class FmuInstance:
         given = [values] if single else list(values)
         if len(given) != count:
             raise FmuError.at(self.name, f"{count} variables cannot take {len(given)} values")
+        for v in (
+            self._by_name[n] for n in ([names] if isinstance(names, (str, int)) else names) if isinstance(n, str)
+        ):
+            if v.causality == "structuralParameter":
+                raise FmuError.at(self.name, f"{v.name} sizes arrays, and changing it is not supported")
         if self._running and self._foreign is not None:
             self._adapted("seacrane_foreign_open")
         for group in groups:

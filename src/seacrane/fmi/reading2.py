@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
 from seacrane.errors import Problem
 from seacrane.fmi.attributes import Reader, at, definition, experiment, to_boolean
@@ -20,6 +20,9 @@ from seacrane.fmi.description import (
     Variable,
 )
 from seacrane.fmi.xml import FILE, Element
+
+MOST_EVENT_INDICATORS: Final = 1_000_000
+"""More are refused before memory is asked for."""
 
 
 def read2(reader: Reader, root: Element) -> ModelDescription:
@@ -56,8 +59,15 @@ def read2(reader: Reader, root: Element) -> ModelDescription:
         outputs=_unknowns(reader, structure, "Outputs"),
         derivatives=_unknowns(reader, structure, "Derivatives"),
         initial_unknowns=_unknowns(reader, structure, "InitialUnknowns"),
-        event_indicators=reader.integer(root, "numberOfEventIndicators") or 0,
+        event_indicators=_event_indicators(reader, root),
     )
+
+
+def _event_indicators(reader: Reader, root: Element) -> int:
+    count = reader.integer(root, "numberOfEventIndicators") or 0
+    if not 0 <= count <= MOST_EVENT_INDICATORS:
+        reader.found(root, "attribute 'numberOfEventIndicators'", count, f"0 to {MOST_EVENT_INDICATORS}")
+    return count
 
 
 def _co_simulation(reader: Reader, element: Element) -> CoSimulation:

@@ -218,6 +218,39 @@ def test_an_fmu_for_scheduled_execution_only_is_refused(balls: dict[str, Path], 
         fmi.Fmu(rewritten(balls["3"], tmp_path, scheduled))
 
 
+@pytest.mark.parametrize("count", ["-1", "99999999999"])
+def test_a_hostile_number_of_event_indicators_is_refused(balls: dict[str, Path], tmp_path: Path, count: str) -> None:
+    path = rewritten(balls["2"], tmp_path, lambda text: text.replace('Indicators="1"', f'Indicators="{count}"'))
+    with pytest.raises(FmuError, match="attribute 'numberOfEventIndicators'"):
+        fmi.Fmu(path)
+
+
+def test_a_wrong_number_of_states_ends_in_an_error(balls: dict[str, Path], tmp_path: Path) -> None:
+    both = '<Unknown index="3"/><Unknown index="4"/></Derivatives>'
+    path = rewritten(balls["2"], tmp_path, lambda text: text.replace(both, "</Derivatives>"))
+    with fmi.Fmu(path) as fmu, fmu.instantiate() as ball:
+        ball.initialize(0.0)
+        ball.step(0.0, 0.01)
+        assert ball.get("h") == 1.0
+    path = rewritten(balls["2"], tmp_path, lambda text: text.replace('"3"/><U', '"3"/><Unknown index="5"/><U', 1))
+    with fmi.Fmu(path) as fmu, fmu.instantiate() as ball, pytest.raises(FmuError, match="states could not be read"):
+        ball.initialize(0.0)
+
+
+def test_the_size_of_an_array_cannot_be_changed(balls: dict[str, Path], tmp_path: Path) -> None:
+    path = rewritten(
+        balls["3"],
+        tmp_path,
+        lambda text: text.replace('<Dimension start="2"/>', '<Dimension valueReference="30"/>').replace(
+            "</ModelVariables>",
+            '<UInt64 name="rows" valueReference="30" causality="structuralParameter" start="2"/></ModelVariables>',
+        ),
+    )
+    assert fmi.check(path) == []
+    with fmi.Fmu(path) as fmu, fmu.instantiate() as ball, pytest.raises(FmuError, match="rows sizes arrays"):
+        ball.set("rows", 3)
+
+
 def rewritten(path: Path, folder: Path, change: Callable[[str], str]) -> Path:
     copy = folder / "copy.fmu"
     with zipfile.ZipFile(path) as old, zipfile.ZipFile(copy, "w") as new:

@@ -2,6 +2,7 @@
 
 import zipfile
 from pathlib import Path
+from typing import Literal
 
 import fmpy
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from seacrane import fmi
 from seacrane.cli import main
 from seacrane.errors import FmuError, ParameterError
+from seacrane.model.dae import Dae
 from seacrane.results import Recording, Signal
 
 INTEGRATOR = """
@@ -122,3 +124,14 @@ def test_the_command_line_shows_runs_and_compares(
     with zipfile.ZipFile(tmp_path / "x.fmu", "w") as archive:
         archive.writestr("a", "b")
     assert main(["fmu", "info", str(tmp_path / "x.fmu")]) == 2
+
+
+@pytest.mark.parametrize(("version", "kind"), [("2.0", "model-exchange"), ("3.0", "model-exchange"), ("3.0", None)])
+def test_our_exports_give_the_same_in_every_version_and_kind(
+    cylinder: Dae, piston_fmu: Path, tmp_path: Path, version: Literal["2.0", "3.0"], kind: fmi.Kind | None
+) -> None:
+    settings = {"values": {"solver.tolerance": 1e-9}, "outputs": ["force", "flow", "piston.x"]}
+    expected = fmi.run(piston_fmu, 0.5, 0.01, **settings)
+    other = fmi.export(cylinder, tmp_path / "other.fmu", version=version)
+    deviations = fmi.compare(expected, fmi.run(other, 0.5, 0.01, kind=kind, tolerance=1e-9, **settings))
+    assert deviations[0].relative < 1e-6, deviations

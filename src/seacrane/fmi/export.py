@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
+import struct
 import tempfile
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Final, Literal, Protocol
 
-from seacrane.errors import FmuError
+from seacrane.errors import FmuError, Problem
 from seacrane.fmi import writing2, writing3
 from seacrane.fmi.documentation import icon_png, icon_svg, page
 from seacrane.fmi.platforms import binary_path
@@ -18,6 +19,7 @@ from seacrane.fmi.writing import model_identifier
 from seacrane.model import Diagram
 from seacrane.model.dae import Dae
 from seacrane.model.native import NativeModel, build
+from seacrane.native.cross import TARGETS, build_all
 
 EPOCH: Final = (1980, 1, 1, 0, 0, 0)
 """The time stamp of every file in an FMU, so that the same model gives the same bytes."""
@@ -26,13 +28,24 @@ VERSIONS: Final = ("2.0", "3.0")
 Version = Literal["2.0", "3.0"]
 
 
+_MACHINES: Final = {"x86_64-darwin": (0x01000007, 3), "aarch64-darwin": (0x0100000C, 0)}
+"""Type and subtype of the processor in the table of a universal binary."""
+
+
 class Compiles(Protocol):
     """A diagram, or anything else that compiles to a DAE."""
 
     def compile(self) -> Dae: ...
 
 
-def export(model: Dae | Compiles, path: str | Path, *, version: Version = "2.0", sources: bool = False) -> Path:
+def export(
+    model: Dae | Compiles,
+    path: str | Path,
+    *,
+    version: Version = "2.0",
+    sources: bool = False,
+    platforms: str | Iterable[str] = "host",
+) -> Path:
     """Writes the model as an FMU that contains its solver, and returns the path.
 
     Inputs, outputs, parameters, states, algebraic unknowns and observables keep their names. The FMU runs for
@@ -40,19 +53,47 @@ def export(model: Dae | Compiles, path: str | Path, *, version: Version = "2.0",
     With `sources` its C is inside as well; without, nothing of the equations can be read. The file appears complete or
     not at all, and the same model gives the same bytes.
 
-    Raises `CompileError` if there is no C compiler, `FmuError` if the version is none of ours or the file cannot be
-    written.
-    """
-    if version not in VERSIONS:
-        allowed = ", ".join(VERSIONS)
-        raise FmuError.at("version", "is not a version of FMI that can be exported", value=version, allowed=allowed)
-    dae = model if isinstance(model, Dae) else model.compile()
-    drawing = model.icons_svg() if isinstance(model, Diagram) else None
-    native = build(dae)
-    identifier = model_identifier(native.name)
-    files = contents(native, identifier, version, sources, drawing)
-    files[binary_path(identifier, version)] = native.path.read_bytes()
-    return _write(Path(path), files)
+    `platforms` is "host" (this machine, by its C compiler), "all", or some of x86_64-linux, aarch64-linux,
+    x86_64-windows, x86_64-darwin and aarch64-darwin; these are compiled by the optional extra `export`, offline.
+
+    Raises `CompileError` if there is no C compiler, or no extra `export` when it is needed, `FmuError` if the version
+    is none of ours or the file cannot be written. """ if version not in VERSIONS: allowed = ", ".join(VERSIONS) raise
+    FmuError.at("version", "is not a version of FMI that can be exported", value=version, allowed=allowed) targets =
+    _targets(platforms) dae = model if isinstance(model, Dae) else model.compile() drawing = model.icons_svg() if
+    isinstance(model, Diagram) else None native = build(dae) identifier = model_identifier(native.name) files =
+    contents(native, identifier, version, sources, drawing) if platforms == "host": files[binary_path(identifier,
+    version)] = native.path.read_bytes() else: files |= binaries(build_all(targets, identifier, native.sources,
+    ["-w"]), identifier, version) return _write(Path(path), files)
+
+
+def _targets(platforms: str | Iterable[str]) -> tuple[str, ...]:
+    if platforms in ("host", "all"):
+        return tuple(TARGETS)
+    wanted = tuple(dict.fromkeys([platforms] if isinstance(platforms, str) else platforms))
+    allowed = ", ".join(TARGETS)
+    unknown = [Problem("platforms", "is none that can be exported for", p, allowed) for p in wanted if p not in TARGETS]
+    if unknown or not wanted:
+        raise FmuError(unknown or [Problem("platforms", "are none", allowed=allowed)])
+    return wanted
+
+
+def binaries(built: Mapping[str, Path], identifier: str, version: str) -> dict[str, bytes]:
+    """The libraries by their places in the archive. In FMI 2.0 both of macOS share a place and become one file."""
+    places: dict[str, list[tuple[str, bytes]]] = {}
+    for platform, path in built.items():
+        places.setdefault(binary_path(identifier, version, platform), []).append((platform, path.read_bytes()))
+    return {place: found[0][1] if len(found) == 1 else universal(dict(found)) for place, found in places.items()}
+
+
+def universal(libraries: Mapping[str, bytes]) -> bytes:
+    """A universal binary of macOS: a big-endian table of machine, offset and size, and libraries on 16 KiB pages."""
+    page = 0x4000
+    table = struct.pack(">II", 0xCAFEBABE, len(libraries))
+    body = b""
+    for platform, library in libraries.items():
+        table += struct.pack(">IIIII", *_MACHINES[platform], page + len(body), len(library), 14)
+        body += library + bytes(-len(library) % page)
+    return table.ljust(page, b"\0") + body
 
 
 def contents(

@@ -57,13 +57,22 @@ def export(
     x86_64-windows, x86_64-darwin and aarch64-darwin; these are compiled by the optional extra `export`, offline.
 
     Raises `CompileError` if there is no C compiler, or no extra `export` when it is needed, `FmuError` if the version
-    is none of ours or the file cannot be written. """ if version not in VERSIONS: allowed = ", ".join(VERSIONS) raise
-    FmuError.at("version", "is not a version of FMI that can be exported", value=version, allowed=allowed) targets =
-    _targets(platforms) dae = model if isinstance(model, Dae) else model.compile() drawing = model.icons_svg() if
-    isinstance(model, Diagram) else None native = build(dae) identifier = model_identifier(native.name) files =
-    contents(native, identifier, version, sources, drawing) if platforms == "host": files[binary_path(identifier,
-    version)] = native.path.read_bytes() else: files |= binaries(build_all(targets, identifier, native.sources,
-    ["-w"]), identifier, version) return _write(Path(path), files)
+    or a platform is none of ours or the file cannot be written.
+    """
+    if version not in VERSIONS:
+        allowed = ", ".join(VERSIONS)
+        raise FmuError.at("version", "is not a version of FMI that can be exported", value=version, allowed=allowed)
+    targets = _targets(platforms)
+    dae = model if isinstance(model, Dae) else model.compile()
+    drawing = model.icons_svg() if isinstance(model, Diagram) else None
+    native = build(dae)
+    identifier = model_identifier(native.name)
+    files = contents(native, identifier, version, sources, drawing)
+    if platforms == "host":
+        files[binary_path(identifier, version)] = native.path.read_bytes()
+    else:
+        files |= binaries(build_all(targets, identifier, native.sources, ["-w"]), identifier, version)
+    return _write(Path(path), files)
 
 
 def _targets(platforms: str | Iterable[str]) -> tuple[str, ...]:

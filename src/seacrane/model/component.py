@@ -214,7 +214,10 @@ def check_value(path: str, value: Any, declaration: Declaration, quantity: Quant
     unit = quantity.unit if quantity else "1"
     if isinstance(value, bool) or not hasattr(value, "__float__"):
         return Problem(path, f"must be a number in {unit}: {declaration.about}", value)
-    number = float(value)
+    try:
+        number = float(value)
+    except (TypeError, ValueError):  # an array of several, or of none
+        return Problem(path, f"must be one number in {unit}: {declaration.about}", value)
     if not math.isfinite(number):
         return Problem(path, f"must be a finite number in {unit}: {declaration.about}", value)
     slip = quantity.slip(number) if quantity else None

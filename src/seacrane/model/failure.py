@@ -150,11 +150,16 @@ def _is_pressure(variable: Variable) -> bool:
 
 
 def doubts(dae: Dae, times: Reals, seen: Mapping[str, Reals], settings: Mapping[str, float]) -> Iterator[Problem]:
-    """What a run went through that its laws do not hold for: extensions beyond the stroke, pressures below vacuum.
+    """What a run went through that its laws do not hold for: inputs out of range, extensions beyond strokes, vacuum.
 
     `seen` holds recorded values by name, `settings` the parameters that are not the model's own.
     """
     parameters = {v.name: settings.get(v.name, v.start) for v in dae.parameters}
+    for v in dae.inputs:
+        values = seen.get(v.name, times[:0])
+        if at := _first((values < v.minimum - 1e-9) | (values > v.maximum + 1e-9)):
+            message = f"is {values[at[0]]:g} at t = {times[at[0]]:g} s, outside its range"
+            yield Problem(v.name, message, allowed=f"{v.minimum:g} to {v.maximum:g} {v.unit}".removesuffix(" 1"))
     for v in dae.states + dae.algebraics:
         values = seen.get(v.name, times[:0])
         stroke = _stroke(v, parameters)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -29,6 +29,7 @@ from .solvers import (
     Task,
     progress_of,
 )
+from .values import unsound
 
 Model = Diagram | Dae | NativeModel
 Inputs = Mapping[str, float | tuple[ArrayLike, ArrayLike]]
@@ -98,6 +99,11 @@ def simulate(
             Problem(native.name, f"has no variable {n!r}", hint=nearest(n, variables)) for n in unknown
         )
     times = np.linspace(0.0, until, round(until / every) + 1)
+    problems = [*_not_numbers(native.dae, parameters or {}, inputs or {})]
+    if isinstance(model, Diagram) and not problems:
+        problems = unsound(model, parameters or {})
+    if problems:
+        raise ParameterError(problems)
     task = Task(
         native,
         times,
@@ -119,6 +125,28 @@ def simulate(
         outcome.error.results = run
         raise outcome.error
     return run
+
+
+def _not_numbers(dae: Dae, parameters: Mapping[str, float], inputs: Inputs) -> Iterator[Problem]:
+    """Values that are no numbers: texts with a unit, samples that are none."""
+    units = {v.name: v.unit for v in dae.variables}
+    constants = {n: v for n, v in inputs.items() if not isinstance(v, tuple)}
+    for name, value in {**parameters, **constants}.items():
+        try:
+            float(value)
+        except (TypeError, ValueError):
+            told = f"must be a number in {units.get(name, 'SI')}"
+            yield Problem(name, told, value, hint="`seacrane.model.settings` reads texts with units.")
+    for name, series in inputs.items():
+        if not isinstance(series, tuple):
+            continue
+        try:
+            times, values = (np.asarray(a, dtype=np.float64).reshape(-1) for a in series)
+        except (TypeError, ValueError):
+            yield Problem(name, "must be sample times and as many values, all of them numbers in SI")
+            continue
+        if times.size != values.size or not times.size:
+            yield Problem(name, f"has {times.size} sample times for {values.size} values")
 
 
 def compiled(model: Model) -> NativeModel:

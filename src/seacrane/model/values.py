@@ -55,6 +55,13 @@ def settings(diagram: Diagram, dae: Dae, texts: Mapping[str, str]) -> dict[str, 
     return values
 
 
+def unsound(diagram: Diagram, values: Mapping[str, float]) -> list[Problem]:
+    """What is wrong with SI values for parameters and start values of a diagram, as its components declare them."""
+    declared = _declarations(diagram)
+    found = (check_value(name, value, *declared[name]) for name, value in values.items() if name in declared)
+    return [problem for problem in found if problem is not None]
+
+
 def _number(text: str, unit: str, path: str) -> float:
     try:
         return float(text)

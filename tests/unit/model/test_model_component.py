@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import numpy as np
 import pytest
 from parts import Chamber, LinearOrifice, Orifice, PressureSource
 
@@ -27,7 +28,7 @@ def test_a_value_in_the_wrong_unit_is_questioned():
     assert "did you mean 42 mm?" in refused(lambda: Orifice(diameter=42.0))
 
 
-@pytest.mark.parametrize("value", [float("nan"), float("inf"), "5 mm", None, True])
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), "5 mm", None, True, [1.0], np.ones(2)])
 def test_what_is_not_a_finite_number_is_refused(value):
     assert "number in m" in refused(lambda: Orifice(diameter=value))
 

@@ -212,7 +212,7 @@ def test_a_cylinder_without_end_stops_that_runs_beyond_its_stroke_is_doubted_wit
 
 
 def test_a_start_beyond_the_stroke_given_to_a_run_is_doubted_from_its_beginning():
-    (doubt,) = simulate(boom(), 0.1, parameters={"cylinder.extension": -0.2}).doubts
+    (doubt,) = simulate(boom(), 0.1, parameters={"cylinder.extension": 1.2}).doubts
     assert "from t = 0 s on, by up to 0.2 m" in doubt.message
     assert simulate(boom(), 0.1, parameters={"cylinder.extension": 1.2, "cylinder.stroke": 1.5}).doubts == ()
 
@@ -231,6 +231,11 @@ def test_a_line_that_is_sucked_below_vacuum_is_doubted():
     (doubt,) = simulate(diagram, 0.1, inputs={"flow": -1e-5}).doubts
     assert "chamber.p: is at or below vacuum from t = 0.02 s on, down to -10 bar" in str(doubt)
     assert simulate(diagram, 0.1, inputs={"flow": 1e-5}).doubts == ()
+
+
+def test_an_input_out_of_its_range_is_doubted():
+    (doubt,) = simulate(boom(), 0.1, inputs={"spool": ([0.0, 0.05], [0.0, -28.0])}).doubts
+    assert str(doubt) == "spool: is -28 at t = 0.05 s, outside its range; allowed: -1 to 1"
 
 
 # ---------------------------------------------------------------- where nothing in particular stands out

@@ -27,13 +27,10 @@ from seacrane.native import cache_folder
 from seacrane.units import Length, Mass, deg
 from seacrane.vessel import Fixed, Harmonic
 
-from .drives import Hydraulics, cylinder_drive, slew_drive, winch_drive
+from .drives import DEAD_BAND, Hydraulics, cylinder_drive, slew_drive, winch_drive
 
 POSTURE = {"slew": 90 * deg, "luff": 50 * deg, "jib": -70 * deg}
 """Where a crane starts unless told otherwise: over the side, boom half up, jib folded."""
-
-VALVE_DEAD_BAND = 0.05
-"""Overlap of the drives' spools, which the joystick control jumps over."""
 
 
 RELEASE_TIME = 0.4
@@ -113,16 +110,17 @@ def as_fmu(diagram: Diagram) -> Path:
 
 
 def joystick(crane: Crane, rest: Equilibrium) -> FunctionSlave:
-    """The operator's control; rope can be hoisted in to a tenth of what hangs, and 200 m more than that paid out."""
-    axis = Axis(valve_dead_band=VALVE_DEAD_BAND)
+    """The operator's control; rope may be drawn in to half of what is out at the start, and 200 m more paid out."""
+    axis = Axis(valve_dead_band=DEAD_BAND)
     settings = Joystick.of(
         crane,
         rope=(0.5 * rest.unstretched_length, rest.unstretched_length + 200.0),
-        slew_axis=Axis(ramp=0.4, valve_dead_band=VALVE_DEAD_BAND),
+        slew_axis=Axis(ramp=0.4, valve_dead_band=DEAD_BAND),
         boom_axis=axis,
         jib_axis=axis,
         hoist_axis=axis,
         release_time=RELEASE_TIME,
+        angle_margin=1.0 * deg,
     )
     return FunctionSlave(settings, inputs=Joystick.inputs, outputs=Joystick.outputs, state=Joystick.start)
 

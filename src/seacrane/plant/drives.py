@@ -6,10 +6,9 @@ values are assumptions of the usual magnitude.
 
     p ──┬─────────┐ 4/3 valve, overlapped spool; in its centre both service lines are joined to the tank a little,
     t ──┴─────────┘ so that no pilot pressure is left to open the counterbalance valve
-        │a       │b
-        │line_a  │line_b      anti-cavitation and port relief valves on both lines
-    [counterbalance]┄ pilot from b
-        │hose    │
+        │line_a  │line_b
+    [counterbalance valves]   one on each side that can carry the load, piloted from the other line
+        │hose_a  │hose_b      anti-cavitation and port relief valves where the actuator is
       piston    rod
 """
 
@@ -21,6 +20,7 @@ from math import pi
 from seacrane.design import Crane, Cylinder
 from seacrane.library import hydraulics as hyd
 from seacrane.library import mechanics as mech
+from seacrane.library import signals as sig
 from seacrane.model import Diagram, Part, PortHandle
 from seacrane.multibody import Equilibrium
 from seacrane.units import (
@@ -65,8 +65,9 @@ class Hydraulics:
     supply: pressure of the ring line. rod_speed: of the cylinders at about half the supply pressure in the valve.
     slew, winch: motors. holding: counterbalance setting over the supply pressure. pilot_ratio: of the counterbalance
     valves. relief: port relief over the supply pressure. line, hose: oil between valve, counterbalance valve and
-    actuator. float_centre: opening from the service lines to tank in the spool's centre. fidelity: level of the
-    cylinders.
+    actuator. float_centre: opening from the service lines to tank in the spool's centre. lowering: full travel of a
+    spool towards lowering, where the load drives too, over that towards hoisting: so both are about equally fast.
+    fidelity: level of the cylinders.
     """
 
     supply: Pressure = 280 * bar
@@ -79,11 +80,19 @@ class Hydraulics:
     line: Volume = 10 * l
     hose: Volume = 5 * l
     float_centre: Ratio = 0.05
+    lowering: Ratio = 0.6
     fidelity: str = "extended"
 
 
 RATED_DROP = 35 * bar
 """Pressure drop per edge at which the flow of a proportional valve is stated (ISO 10770-1)."""
+
+DEAD_BAND = 0.05
+"""Overlap of the spools, of full travel."""
+
+UNLOADED_SHARE = 0.7
+"""Rated flow of the slewing valve against that of the loaded drives: with little load on the motor, more of the supply
+pressure is left for the valve."""
 
 SPOOL_FREQUENCY = 60.0
 """Natural frequency of the spools [rad/s]: a size 32 pilot-operated proportional valve, about 10 Hz."""
@@ -92,7 +101,8 @@ SPOOL_FREQUENCY = 60.0
 def cylinder_drive(crane: Crane, cylinder: Cylinder, start: Equilibrium, extension: float, h: Hydraulics) -> Diagram:
     """A cylinder set with its valves: inputs `spool`, `rod_velocity`, `rod_position`; output `rod_force`.
 
-    It starts at `extension` [m] with the pressure that holds the crane in `start`, the rod side at tank pressure.
+    It starts at `extension` [m] with the pressure that holds the crane in `start`, the other side at tank pressure.
+    Both sides can hold a load: a jib folded far in hangs in its rod side.
     """
     force = start.cylinder_forces[cylinder.name]
     piston = cylinder.count * pi / 4 * cylinder.bore**2
@@ -112,8 +122,11 @@ def cylinder_drive(crane: Crane, cylinder: Cylinder, start: Equilibrium, extensi
             **_losses(cylinder, p_a, p_b) if h.fidelity == "extended" else {},
         ),
     )
-    hose = _load_holding(drive, actuator.b, flow, p_a, h)
-    drive.connect(hose, actuator.a)
+    line_a, line_b = _valve(drive, flow, h, float_centre=h.float_centre, lowering=h.lowering)
+    hose_a = _held(drive, "a", line_a, line_b, flow, p_a, h)
+    hose_b = _held(drive, "b", line_b, line_a, flow * annulus / piston, p_b, h)
+    drive.connect(hose_a, actuator.a)
+    drive.connect(hose_b, actuator.b)
     partner = drive.add("partner", mech.MotionInput(position=extension, correction=20.0))
     drive.connect(partner.flange, actuator.rod)
     drive.expose(rod_velocity=partner.v, rod_position=partner.x, rod_force=partner.F, rod_work=partner.work)
@@ -126,7 +139,9 @@ def slew_drive(crane: Crane, h: Hydraulics) -> Diagram:
     drive = Diagram("slew_drive", bulk_modulus=crane.bulk_modulus)
     motor = drive.add("motor", _motor(h.slew))
     # A closed centre, or the column would turn freely; leakage of the edges keeps both lines near half the supply.
-    line_a, line_b = _valve(drive, flow, h, pressure=0.5 * h.supply)
+    line_a, line_b = _valve(drive, UNLOADED_SHARE * flow, h, pressure=0.5 * h.supply)
+    _protect(drive, "a", line_a, flow, h)
+    _protect(drive, "b", line_b, flow, h)
     for name, source, sink in (("relief_ab", motor.a, motor.b), ("relief_ba", motor.b, motor.a)):
         relief = drive.add(name, hyd.ReliefValve(crack=0.85 * h.supply, full=h.supply, flow=flow))
         drive.connect(relief.a, source)
@@ -146,8 +161,11 @@ def winch_drive(crane: Crane, start: Equilibrium, h: Hydraulics) -> Diagram:
     p_a = start.drum_torque / h.winch.per_radian
     drive = Diagram("winch_drive", bulk_modulus=crane.bulk_modulus)
     motor = drive.add("motor", _motor(h.winch))
-    hose = _load_holding(drive, motor.b, flow, p_a, h)
-    drive.connect(hose, motor.a)
+    line_a, line_b = _valve(drive, flow, h, float_centre=h.float_centre, lowering=h.lowering)
+    hose_a = _held(drive, "a", line_a, line_b, flow, p_a, h)
+    _protect(drive, "b", line_b, flow, h)
+    drive.connect(hose_a, motor.a)
+    drive.connect(line_b, motor.b)
     _geared(drive, motor, h.winch)
     return drive
 
@@ -186,9 +204,15 @@ def _geared(drive: Diagram, motor: Part, motors: Motors) -> None:
 
 
 def _valve(
-    drive: Diagram, flow: FlowRate, h: Hydraulics, *, pressure: Pressure = 0.0, float_centre: Ratio = 0.0
+    drive: Diagram,
+    flow: FlowRate,
+    h: Hydraulics,
+    *,
+    pressure: Pressure = 0.0,
+    float_centre: Ratio = 0.0,
+    lowering: Ratio = 1.0,
 ) -> tuple[PortHandle, PortHandle]:
-    """Supply, tank, 4/3 valve and both service lines, at `pressure`, with their safety valves; gives the lines."""
+    """Supply, tank, 4/3 valve and both service lines at `pressure`; gives the ports of the lines."""
     pump = drive.add("pump", hyd.ConstantPressurePump(pressure=h.supply))
     tank = drive.add("tank", hyd.Tank())
     valve = drive.add(
@@ -197,36 +221,35 @@ def _valve(
             level="dynamic",
             flow=0.7 * flow,
             at=RATED_DROP,
+            dead_band=DEAD_BAND,
             leakage=1e-5,
             float_centre=float_centre,
             natural_frequency=SPOOL_FREQUENCY,
         ),
     )
+    travel = drive.add("travel", sig.Table(points=((-1, -lowering), (-DEAD_BAND, -DEAD_BAND), (1, 1))))
+    drive.connect(travel.y, valve.x)
     drive.connect(pump.p, valve.p)
     drive.connect(tank.p, valve.t)
-    drive.expose(spool=valve.x)
+    drive.expose(spool=travel.u)
     lines = []
     for side, service in (("a", valve.a), ("b", valve.b)):
         line = drive.add(f"line_{side}", hyd.ControlVolume(volume=h.line, pressure=pressure))
-        refill = drive.add(f"refill_{side}", hyd.AnticavitationValve(flow=2 * flow, at=0.6 * bar))
-        relief = drive.add(
-            f"relief_{side}",
-            hyd.ReliefValve(crack=h.relief * h.supply, full=1.15 * h.relief * h.supply, flow=flow),
-        )
-        drive.connect(service, line.a, refill.a, relief.a)
-        drive.connect(tank.p, refill.t, relief.b)
+        drive.connect(service, line.a)
         lines.append(line.a)
     return lines[0], lines[1]
 
 
-def _load_holding(drive: Diagram, b: PortHandle, flow: FlowRate, p_a: Pressure, h: Hydraulics) -> PortHandle:
-    """Valve, lines, and a counterbalance valve on the side that carries the load; gives the hose behind it.
+def _held(
+    drive: Diagram, side: str, line: PortHandle, pilot: PortHandle, flow: FlowRate, pressure: Pressure, h: Hydraulics
+) -> PortHandle:
+    """A counterbalance valve between `line` and the actuator, and the protected hose behind it at `pressure`.
 
-    `b` is the actuator's other port, whose line is the pilot.
+    The pilot is the other service line, in front of its own counterbalance valve: a shock of the load there does not
+    open this one.
     """
-    line_a, line_b = _valve(drive, flow, h, float_centre=h.float_centre)
     holding = drive.add(
-        "counterbalance",
+        f"counterbalance_{side}",
         hyd.CounterbalanceValve(
             flow=flow,
             at=10 * bar,
@@ -235,8 +258,18 @@ def _load_holding(drive: Diagram, b: PortHandle, flow: FlowRate, p_a: Pressure, 
             ratio=h.pilot_ratio,
         ),
     )
-    hose = drive.add("hose", hyd.ControlVolume(volume=h.hose, pressure=p_a))
-    drive.connect(line_a, holding.a)
-    drive.connect(line_b, b, holding.pilot)
+    hose = drive.add(f"hose_{side}", hyd.ControlVolume(volume=h.hose, pressure=pressure))
+    drive.connect(line, holding.a)
+    drive.connect(pilot, holding.pilot)
     drive.connect(holding.b, hose.a)
+    _protect(drive, side, hose.a, flow, h)
     return hose.a
+
+
+def _protect(drive: Diagram, side: str, port: PortHandle, flow: FlowRate, h: Hydraulics) -> None:
+    """Anti-cavitation and port relief valves to tank."""
+    refill = drive.add(f"refill_{side}", hyd.AnticavitationValve(flow=2 * flow, at=0.6 * bar))
+    crack = h.relief * h.supply
+    relief = drive.add(f"relief_{side}", hyd.ReliefValve(crack=crack, full=1.15 * crack, flow=flow))
+    drive.connect(port, refill.a, relief.a)
+    drive.connect(drive.parts["tank"].p, refill.t, relief.b)

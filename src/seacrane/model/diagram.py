@@ -18,8 +18,8 @@ from .ports import Port, PowerPort, SignalIn, SignalOut
 
 if TYPE_CHECKING:
     from .bondgraph import SystemBondGraph
-    from .report import Report
     from .printing import PrintedEquations
+    from .report import Report
 
 
 class PortHandle:

@@ -14,7 +14,7 @@ from seacrane.model.dae import Variable
 
 
 class Calls(Protocol):
-    """Addresses of C functions with the signatures of fmi2SetReal, fmi2GetReal and fmi2DoStep."""
+    """Addresses of C functions with the signatures of FMI 2; see `seacrane.cosim.slave.NativeCalls`."""
 
     @property
     def set(self) -> int: ...
@@ -22,6 +22,8 @@ class Calls(Protocol):
     def get(self) -> int: ...
     @property
     def step(self) -> int: ...
+    @property
+    def derive(self) -> int: ...
 
 
 class Inner(Protocol):
@@ -46,7 +48,7 @@ class CompiledInstance(Instance):
     def __init__(self, name: str, inner: Inner, interface: Interface, references: Mapping[str, int]) -> None:
         self.inner = inner
         calls = inner.calls
-        self.calls = NativeCalls(inner.handle, calls.set, calls.step, calls.get, references)
+        self.calls = NativeCalls(inner.handle, calls.set, calls.step, calls.get, references, calls.derive)
         self._name = name
         self._input_names = [v.name for v in interface.inputs]
         self._output_names = [v.name for v in interface.outputs]

@@ -45,13 +45,20 @@ class Interface:
 
 @dataclass(frozen=True)
 class NativeCalls:
-    """C functions with FMI 2 signatures, as addresses, and the handle they take first."""
+    """C functions with FMI 2 signatures, as addresses, and the handle they take first.
+
+    `derive` is that of fmi2SetRealInputDerivatives,
+    `int (void *, const uint32_t *references, size_t n, const int32_t *order, const double *value)`: called after `set`,
+    it lets inputs vary in time within the next step, by their derivatives with respect to time at its beginning. It is 0
+    where the slave only takes inputs that are held.
+    """
 
     handle: int
     set: int
     step: int
     get: int
     references: Mapping[str, int] = field(repr=False)
+    derive: int = 0
 
 
 class Slave(ABC):

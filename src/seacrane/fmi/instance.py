@@ -30,11 +30,15 @@ _LEVELS: Final = (logging.INFO, logging.WARNING, logging.WARNING, logging.ERROR,
 
 @dataclass(frozen=True)
 class Calls:
-    """Addresses of C functions with the signatures of fmi2SetReal, fmi2GetReal and fmi2DoStep."""
+    """Addresses of C functions with the signatures of fmi2SetReal, fmi2GetReal and fmi2DoStep.
+
+    `derive` is that of fmi2SetRealInputDerivatives, 0 if the FMU holds its inputs over a step.
+    """
 
     set: int
     get: int
     step: int
+    derive: int = 0
 
 
 class FmuInstance:
@@ -79,7 +83,10 @@ class FmuInstance:
         fmu.open_instances += 1
         if self._foreign is None:
             self.handle = self._component
-            self.calls = Calls(*(address(getattr(self._c, f"fmi2{n}")) for n in ("SetReal", "GetReal", "DoStep")))
+            names = ["SetReal", "GetReal", "DoStep"]
+            if slave is not None and slave.interpolates_inputs and hasattr(self._c, "fmi2SetRealInputDerivatives"):
+                names.append("SetRealInputDerivatives")
+            self.calls = Calls(*(address(getattr(self._c, f"fmi2{name}")) for name in names))
         else:
             self.handle = self._foreign.handle
             self._foreign.state.fmu = self._component

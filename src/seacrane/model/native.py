@@ -42,6 +42,8 @@ class Calls:
     set: int
     get: int
     step: int
+    derive: int = 0
+    """That of fmi2SetRealInputDerivatives; 0 where inputs are held over a step."""
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,12 @@
 /* A slave as somebody else would write one, against the headers of the standard, with variables of all types:
-   x' = gain * u while enabled; it logs with a printf format, and fails when u is above 100. */
+   x' = gain * u while enabled, u with its slope; it logs with a printf format, and fails when u is above 100. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "fmi2Functions.h"
 
 typedef struct {
-    double u, x, t;
+    double u, slope, x, t;
     int gain, enabled, freed;
     char label[64];
     const fmi2CallbackFunctions *environment;
@@ -55,7 +55,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean n)
                                "overflow of the tank");
         return fmi2Discard;
     }
-    s->x += s->enabled ? h * s->gain * s->u : 0;
+    s->x += s->enabled ? h * s->gain * (s->u + h / 2 * s->slope) : 0;
     return fmi2OK;
 }
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real v[])
@@ -66,6 +66,12 @@ fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n,
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Real v[])
 {
     for (size_t i = 0; i < n; i++) if (vr[i] == 0) ((Slave *)c)->u = v[i]; else return fmi2Error;
+    return fmi2OK;
+}
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n,
+                                       const fmi2Integer order[], const fmi2Real v[])
+{
+    for (size_t i = 0; i < n; i++) if (vr[i] == 0 && order[i] == 1) ((Slave *)c)->slope = v[i]; else return fmi2Error;
     return fmi2OK;
 }
 fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Integer v[])

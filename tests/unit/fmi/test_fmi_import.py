@@ -66,6 +66,26 @@ def test_the_addresses_are_those_of_the_functions(foreign: Path) -> None:
         reference, value = ctypes.c_uint32(0), ctypes.c_double()
         assert get(slave.handle, ctypes.byref(reference), 1, ctypes.byref(value)) == 0
         assert value.value == 7.0
+        assert slave.calls.derive == 0
+
+
+def test_an_fmu_that_interpolates_its_inputs_takes_their_derivatives(foreign: Path, tmp_path: Path) -> None:
+    path = tmp_path / "ramped.fmu"
+    with zipfile.ZipFile(foreign) as old, zipfile.ZipFile(path, "w") as new:
+        told = DESCRIPTION.replace('Identifier="foreign"', 'Identifier="foreign" canInterpolateInputs="true"')
+        new.writestr("modelDescription.xml", told)
+        new.writestr("binaries/linux64/foreign.so", old.read("binaries/linux64/foreign.so"))
+    with fmi.Fmu(path) as fmu, fmu.instantiate() as slave:
+        slave.initialize(0.0)
+        slave.set("u", 1.0)
+        derive = ctypes.CFUNCTYPE(
+            ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p
+        )(slave.calls.derive)  # fmt: skip
+        reference, order, slope = ctypes.c_uint32(0), ctypes.c_int32(1), ctypes.c_double(10.0)
+        arguments = ctypes.byref(reference), 1, ctypes.byref(order), ctypes.byref(slope)
+        assert derive(slave.handle, *arguments) == 0
+        slave.step(0.0, 0.1)
+        assert slave.get("x") == pytest.approx(2 * (0.1 * 1.0 + 0.1**2 / 2 * 10.0))
 
 
 def test_a_discarded_step_carries_function_status_and_the_fmus_own_words(foreign: Path) -> None:

@@ -49,8 +49,8 @@ class NativeCalls:
 
     `derive` is that of fmi2SetRealInputDerivatives,
     `int (void *, const uint32_t *references, size_t n, const int32_t *order, const double *value)`: called after `set`,
-    it lets inputs vary in time within the next step, by their derivatives with respect to time at its beginning. It is 0
-    where the slave only takes inputs that are held.
+    it lets inputs vary within the next step, by their derivatives with respect to time at its beginning. It is 0 where
+    the slave only takes inputs that are held.
     """
 
     handle: int

@@ -1,8 +1,9 @@
-"""`seacrane fmu check`, `info`, `run` and `compare`."""
+"""`seacrane fmu check`, `info`, `run`, `export` and `compare`."""
 
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,7 +17,9 @@ if TYPE_CHECKING:
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    fmu = commands.add_parser("fmu", help="look at FMUs and run them").add_subparsers(required=True, metavar="ACTION")
+    fmu = commands.add_parser("fmu", help="make FMUs, look at them and run them").add_subparsers(
+        required=True, metavar="ACTION"
+    )
     check = fmu.add_parser("check", help="list all that is wrong with an FMU, with the rule of the standard")
     check.add_argument("file", type=Path)
     check.set_defaults(run=_check_fmu)
@@ -37,6 +40,19 @@ def add(commands: Commands) -> None:
     run.add_argument("--csv", type=output, metavar="FILE", help="write what was recorded as CSV")
     run.add_argument("--plot", type=output, metavar="FILE", help="plot what was recorded (SVG, PNG or PDF)")
     run.set_defaults(run=_run)
+
+    export = fmu.add_parser("export", help="write a model as an FMU for co-simulation and model exchange")
+    export.add_argument("file", help="model file (JSON)")
+    export.add_argument("--version", choices=("2.0", "3.0"), default="2.0", help="version of FMI (default 2.0)")
+    export.add_argument(
+        "--platforms",
+        default="host",
+        metavar="host|all|LIST",
+        help="what its binaries are for: this machine (default), all, or names as x86_64-windows,aarch64-linux",
+    )
+    export.add_argument("--sources", action="store_true", help="put the C sources inside; without, no equation shows")
+    export.add_argument("--out", type=output, required=True, metavar="FILE", help="the FMU to be written")
+    export.set_defaults(run=_export)
 
     compare = fmu.add_parser("compare", help="run two FMUs alike and show how far their outputs are apart")
     compare.add_argument("first", type=Path)
@@ -76,21 +92,14 @@ def _info(options: argparse.Namespace) -> int:
     from seacrane import fmi
 
     d = fmi.read(options.file)
-    kinds = [
-        name
-        for name, there in (
-            ("co-simulation", d.co_simulation),
-            ("model exchange", d.model_exchange),
-            ("scheduled execution", d.scheduled_execution),
-        )
-        if there
-    ]
     facts = {
         "model": d.model_name,
         "about": d.description,
         "version": d.version,
-        "FMI": f"{d.fmi_version}, {' and '.join(kinds)}",
+        "FMI": f"{d.fmi_version}, {_kinds(d)}",
         "made by": d.generation_tool,
+        "binaries": ", ".join(d.platforms) or "none",
+        "sources": "C" if d.has_sources else "none",
         "states": str(len(d.derivatives)),
         "terminals": ", ".join(t.name for t in d.terminals),
     }
@@ -116,6 +125,15 @@ def _info(options: argparse.Namespace) -> int:
     return 0
 
 
+def _kinds(d: ModelDescription) -> str:
+    kinds = {
+        "co-simulation": d.co_simulation,
+        "model exchange": d.model_exchange,
+        "scheduled execution": d.scheduled_execution,
+    }
+    return " and ".join(name for name, there in kinds.items() if there)
+
+
 def _run(options: argparse.Namespace) -> int:
     recording = _recording(options, options.file, options.output)
     if options.csv:
@@ -127,6 +145,31 @@ def _run(options: argparse.Namespace) -> int:
     if not options.csv and not options.plot:
         rows = [(n, f"{s.values[-1]:.6g}", s.unit) for n, s in recording.signals.items()]
         _print_table(("name", f"at {recording.time[-1]:g} s", "unit"), rows)
+    return 0
+
+
+def _export(options: argparse.Namespace) -> int:
+    from seacrane import fmi, model
+
+    diagram = model.load(options.file)
+    platforms = options.platforms if options.platforms in ("host", "all") else options.platforms.split(",")
+    fmi.export(
+        diagram,
+        options.out,
+        version=options.version,
+        sources=options.sources,
+        platforms=platforms,
+        progress=lambda stage: print(f"{options.out.name}: {stage}", file=sys.stderr),
+    )
+    d = fmi.read(options.out)
+    what = [
+        f"FMI {d.fmi_version} for {_kinds(d)}",
+        f"{len(d.inputs)} inputs, {len(d.outputs)} outputs, {len(d.derivatives)} states",
+        ", ".join(d.platforms),
+        *(["C sources"] if d.has_sources else []),
+        f"{options.out.stat().st_size / 1024:.0f} kB",
+    ]
+    print(f"{options.out}: {'; '.join(what)}")
     return 0
 
 

@@ -13,7 +13,7 @@ from seacrane.errors import FmuError, Problem
 from seacrane.fmi.archive import description_text, opened, text_of
 from seacrane.fmi.description import REALS, Capabilities, ModelDescription, Unknown, Variable
 from seacrane.fmi.naming import is_flat, is_structured
-from seacrane.fmi.platforms import binary_path, host, platforms
+from seacrane.fmi.platforms import binary_path, has_sources, host, platforms
 from seacrane.fmi.reading import TERMINALS, read_description, read_terminals
 from seacrane.fmi.schema import cited, structure_problems
 from seacrane.fmi.xml import FILE, parse_xml
@@ -93,8 +93,7 @@ def _files(d: ModelDescription, names: list[str]) -> Iterator[Problem]:
     if not d.guid:
         yield _problem(d, FILE, f"the {'guid' if d.fmi_version == '2.0' else 'instantiationToken'} is empty", "2.2.1")
     present = platforms(names)
-    sources = any(name.startswith("sources/") and name.endswith(".c") for name in names)
-    if kinds and not present and not sources:
+    if kinds and not present and not has_sources(names):
         yield _problem(d, "binaries", "there is neither a binary nor a source file", "2.3")
     for identifier in dict.fromkeys(kind.model_identifier for kind in kinds):
         if not re.fullmatch(r"[A-Za-z_]\w*", identifier, re.ASCII):

@@ -171,6 +171,9 @@ class ModelDescription:
     initial_unknowns: tuple[Unknown, ...] = ()
     event_indicators: int = 0
     terminals: tuple[Terminal, ...] = ()
+    platforms: tuple[str, ...] = ()
+    """The folders of its binaries, as linux64 in FMI 2.0 and x86_64-linux in FMI 3.0."""
+    has_sources: bool = False
 
     @cached_property
     def by_name(self) -> Mapping[str, Variable]:

@@ -6,19 +6,20 @@ import os
 import struct
 import tempfile
 import zipfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Final, Literal, Protocol
 
-from seacrane.errors import FmuError, Problem
+from seacrane.errors import FmuError, Problem, nearest
 from seacrane.fmi import writing2, writing3
 from seacrane.fmi.documentation import icon_png, icon_svg, page
 from seacrane.fmi.platforms import binary_path
 from seacrane.fmi.terminals import power_terminals
 from seacrane.fmi.writing import model_identifier
 from seacrane.model import Diagram
+from seacrane.model.codegen import Generated, generate
 from seacrane.model.dae import Dae
-from seacrane.model.native import NativeModel, build
+from seacrane.native import build_library
 from seacrane.native.cross import TARGETS, build_all
 
 EPOCH: Final = (1980, 1, 1, 0, 0, 0)
@@ -45,6 +46,7 @@ def export(
     version: Version = "2.0",
     sources: bool = False,
     platforms: str | Iterable[str] = "host",
+    progress: Callable[[str], None] = lambda stage: None,
 ) -> Path:
     """Writes the model as an FMU that contains its solver, and returns the path.
 
@@ -56,6 +58,8 @@ def export(
     `platforms` is "host" (this machine, by its C compiler), "all", or some of x86_64-linux, aarch64-linux,
     x86_64-windows, x86_64-darwin and aarch64-darwin; these are compiled by the optional extra `export`, offline.
 
+    `progress` is told each stage as it begins: long exports compile for a minute.
+
     Raises `CompileError` if there is no C compiler, or no extra `export` when it is needed, `FmuError` if the version
     or a platform is none of ours or the file cannot be written.
     """
@@ -63,15 +67,18 @@ def export(
         allowed = ", ".join(VERSIONS)
         raise FmuError.at("version", "is not a version of FMI that can be exported", value=version, allowed=allowed)
     targets = _targets(platforms)
+    progress("writing the equations as C")
     dae = model if isinstance(model, Dae) else model.compile()
     drawing = model.icons_svg() if isinstance(model, Diagram) else None
-    native = build(dae)
-    identifier = model_identifier(native.name)
-    files = contents(native, identifier, version, sources, drawing)
+    generated = generate(dae)
+    identifier = model_identifier(dae.name)
+    files = contents(generated, identifier, version, sources, drawing)
     if platforms == "host":
-        files[binary_path(identifier, version)] = native.path.read_bytes()
+        progress("compiling for this machine")
+        files[binary_path(identifier, version)] = build_library("model", generated.sources, ["-w"]).read_bytes()
     else:
-        files |= binaries(build_all(targets, identifier, native.sources, ["-w"]), identifier, version)
+        progress(f"compiling for {', '.join(targets)}")
+        files |= binaries(build_all(targets, identifier, generated.sources, ["-w"]), identifier, version)
     return _write(Path(path), files)
 
 
@@ -79,8 +86,12 @@ def _targets(platforms: str | Iterable[str]) -> tuple[str, ...]:
     if platforms in ("host", "all"):
         return tuple(TARGETS)
     wanted = tuple(dict.fromkeys([platforms] if isinstance(platforms, str) else platforms))
-    allowed = ", ".join(TARGETS)
-    unknown = [Problem("platforms", "is none that can be exported for", p, allowed) for p in wanted if p not in TARGETS]
+    allowed = f"host, all, or some of {', '.join(TARGETS)}"
+    unknown = [
+        Problem("platforms", "is none that can be exported for", p, allowed, nearest(p, TARGETS))
+        for p in wanted
+        if p not in TARGETS
+    ]
     if unknown or not wanted:
         raise FmuError(unknown or [Problem("platforms", "are none", allowed=allowed)])
     return wanted
@@ -105,19 +116,17 @@ def universal(libraries: Mapping[str, bytes]) -> bytes:
     return table.ljust(page, b"\0") + body
 
 
-def contents(
-    native: NativeModel, identifier: str, version: str, sources: bool, drawing: str | None
-) -> dict[str, bytes]:
+def contents(model: Generated, identifier: str, version: str, sources: bool, drawing: str | None) -> dict[str, bytes]:
     """Everything in the archive but the binaries."""
-    dae = native.dae
+    dae = model.dae
     terminals = power_terminals(dae)
-    code = native.sources if sources else {}
+    code = model.sources if sources else {}
     units = sorted(name for name in code if name.endswith(".c"))
     if version == "2.0":
-        texts = {"modelDescription.xml": writing2.describe(native, identifier, units)}
+        texts = {"modelDescription.xml": writing2.describe(model, identifier, units)}
         icon = "model.png"
     else:
-        texts = {"modelDescription.xml": writing3.describe(native, identifier)}
+        texts = {"modelDescription.xml": writing3.describe(model, identifier)}
         texts["terminalsAndIcons/terminalsAndIcons.xml"] = writing3.terminals_and_icons(terminals)
         texts["terminalsAndIcons/icon.svg"] = icon_svg(dae, terminals)
         if sources:

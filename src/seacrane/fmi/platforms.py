@@ -48,3 +48,8 @@ def platforms(names: Iterable[str]) -> list[str]:
     """The platforms for which an archive with these entries has a binary."""
     paths = (PurePosixPath(name) for name in names)
     return sorted({p.parts[1] for p in paths if len(p.parts) == 3 and p.parts[0] == "binaries" and p.suffix})
+
+
+def has_sources(names: Iterable[str]) -> bool:
+    """Whether an archive with these entries holds C sources."""
+    return any(name.startswith("sources/") and name.endswith(".c") for name in names)

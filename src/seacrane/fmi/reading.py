@@ -11,6 +11,7 @@ from seacrane.errors import FmuError, Problem
 from seacrane.fmi.archive import description_text, text_of
 from seacrane.fmi.attributes import Reader
 from seacrane.fmi.description import ModelDescription, Terminal
+from seacrane.fmi.platforms import has_sources, platforms
 from seacrane.fmi.reading2 import read2
 from seacrane.fmi.reading3 import read3
 from seacrane.fmi.xml import FILE, Element, parse_xml
@@ -20,9 +21,14 @@ TERMINALS: Final = "terminalsAndIcons/terminalsAndIcons.xml"
 
 
 def read_archive(archive: zipfile.ZipFile) -> ModelDescription:
-    """The model description in an FMU, with its terminals if it is of FMI 3.0. `FmuError` with all problems."""
+    """The model description in an FMU, with what else it holds: terminals in FMI 3.0, binaries, sources.
+
+    Raises `FmuError` with all problems.
+    """
+    names = archive.namelist()
     description = read_description(parse_xml(description_text(archive)))
-    if description.fmi_version == "2.0" or TERMINALS not in archive.namelist():
+    description = replace(description, platforms=tuple(platforms(names)), has_sources=has_sources(names))
+    if description.fmi_version == "2.0" or TERMINALS not in names:
         return description
     return replace(description, terminals=read_terminals(parse_xml(text_of(archive, TERMINALS)), description))
 

@@ -10,8 +10,7 @@ from xml.sax.saxutils import quoteattr
 
 import seacrane
 from seacrane.fmi.naming import is_structured
-from seacrane.model.codegen import Entry
-from seacrane.model.native import NativeModel
+from seacrane.model.codegen import Entry, Generated
 from seacrane.units import UNITS
 
 HEAD: Final = '<?xml version="1.0" encoding="UTF-8"?>'
@@ -49,11 +48,11 @@ def attributes(values: Mapping[str, str | None]) -> str:
     return "".join(f" {key}={quoteattr(value)}" for key, value in values.items() if value is not None)
 
 
-def about(native: NativeModel) -> dict[str, str | None]:
+def about(model: Generated) -> dict[str, str | None]:
     """Attributes of the root element that both versions have."""
-    structured = all(is_structured(e.variable.name) for e in native.entries)
+    structured = all(is_structured(e.variable.name) for e in model.entries)
     return {
-        "description": native.dae.about or None,
+        "description": model.dae.about or None,
         "generationTool": f"seacrane {seacrane.__version__}",
         "variableNamingConvention": "structured" if structured else "flat",
     }

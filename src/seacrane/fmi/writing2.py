@@ -16,15 +16,14 @@ from seacrane.fmi.writing import (
     state_of,
     units,
 )
-from seacrane.model.codegen import Entry
+from seacrane.model.codegen import Entry, Generated
 from seacrane.model.dependencies import TIME, dependencies
-from seacrane.model.native import NativeModel
 
 
-def describe(native: NativeModel, identifier: str, sources: Sequence[str] = ()) -> str:
+def describe(model: Generated, identifier: str, sources: Sequence[str] = ()) -> str:
     """The text of modelDescription.xml for co-simulation and model exchange, with the C files to be compiled if any."""
-    index = {e.variable.name: i for i, e in enumerate(native.entries, start=1)}
-    root = {"fmiVersion": "2.0", "modelName": native.name, "guid": native.guid, **about(native)}
+    index = {e.variable.name: i for i, e in enumerate(model.entries, start=1)}
+    root = {"fmiVersion": "2.0", "modelName": model.dae.name, "guid": model.guid, **about(model)}
     able = {
         "canNotUseMemoryManagementFunctions": "true",
         "canGetAndSetFMUstate": "true",
@@ -44,13 +43,13 @@ def describe(native: NativeModel, identifier: str, sources: Sequence[str] = ()) 
         f'<fmiModelDescription{attributes(root)} numberOfEventIndicators="0">',
         *_interface("ModelExchange", exchange, sources),
         *_interface("CoSimulation", simulation, sources),
-        *units(native.entries),
+        *units(model.entries),
         *LOG_CATEGORIES,
         EXPERIMENT,
         "  <ModelVariables>",
-        *(_variable(e, index) for e in native.entries),
+        *(_variable(e, index) for e in model.entries),
         "  </ModelVariables>",
-        *_structure(native, index),
+        *_structure(model, index),
         "</fmiModelDescription>",
     ]
     return "\n".join(lines) + "\n"
@@ -79,8 +78,8 @@ def _variable(entry: Entry, index: Mapping[str, int]) -> str:
     return f"    <ScalarVariable{attributes(scalar)}><Real{real}/></ScalarVariable>"
 
 
-def _structure(native: NativeModel, index: Mapping[str, int]) -> list[str]:
-    known = dependencies(native.dae)
+def _structure(model: Generated, index: Mapping[str, int]) -> list[str]:
+    known = dependencies(model.dae)
 
     def unknown(name: str) -> str:
         depends = " ".join(str(i) for i in sorted(index[n] for n in known[name] if n != TIME))
@@ -88,10 +87,10 @@ def _structure(native: NativeModel, index: Mapping[str, int]) -> list[str]:
 
     lines = ["  <ModelStructure>"]
     for tag, kind in (("Outputs", "OUTPUT"), ("Derivatives", "DERIVATIVE")):
-        group = names(native.entries, kind)
+        group = names(model.entries, kind)
         if group:
             lines += [f"    <{tag}>", *map(unknown, group), f"    </{tag}>"]
-    initial = sorted(index[name] for name in names(native.entries, "OUTPUT", "DERIVATIVE"))
+    initial = sorted(index[name] for name in names(model.entries, "OUTPUT", "DERIVATIVE"))
     if initial:
         unknowns = (f'      <Unknown index="{i}"/>' for i in initial)
         lines += ["    <InitialUnknowns>", *unknowns, "    </InitialUnknowns>"]

@@ -18,17 +18,16 @@ from seacrane.fmi.writing import (
     state_of,
     units,
 )
-from seacrane.model.codegen import Entry
+from seacrane.model.codegen import Entry, Generated
 from seacrane.model.dependencies import TIME, dependencies
-from seacrane.model.native import NativeModel
 
 SIDE: Final = 100.0
 """Half the side of the square in which the icon lies, in the units of its coordinate system."""
 
 
-def describe(native: NativeModel, identifier: str) -> str:
+def describe(model: Generated, identifier: str) -> str:
     """The text of modelDescription.xml for co-simulation and model exchange."""
-    root = {"fmiVersion": "3.0", "modelName": native.name, "instantiationToken": native.guid, **about(native)}
+    root = {"fmiVersion": "3.0", "modelName": model.dae.name, "instantiationToken": model.guid, **about(model)}
     able = {
         "modelIdentifier": identifier,
         "canGetAndSetFMUState": "true",
@@ -37,7 +36,7 @@ def describe(native: NativeModel, identifier: str) -> str:
         "providesAdjointDerivatives": "true",
     }
     simulation = {**able, "canHandleVariableCommunicationStepSize": "true", "maxOutputDerivativeOrder": "1"}
-    entries = (native.time, *native.entries)
+    entries = (model.time, *model.entries)
     references = {e.variable.name: e.reference for e in entries}
     lines = [
         HEAD,
@@ -50,7 +49,7 @@ def describe(native: NativeModel, identifier: str) -> str:
         "  <ModelVariables>",
         *(_variable(e, references) for e in entries),
         "  </ModelVariables>",
-        *_structure(native, references),
+        *_structure(model, references),
         "</fmiModelDescription>",
     ]
     return "\n".join(lines) + "\n"
@@ -72,20 +71,20 @@ def _variable(entry: Entry, references: dict[str, int]) -> str:
     return f"    <Float64{attributes(values)}/>"
 
 
-def _structure(native: NativeModel, references: dict[str, int]) -> list[str]:
-    known = dependencies(native.dae)
+def _structure(model: Generated, references: dict[str, int]) -> list[str]:
+    known = dependencies(model.dae)
 
     def unknown(tag: str, name: str) -> str:
-        depends = sorted(native.time.reference if n == TIME else references[n] for n in known[name])
+        depends = sorted(model.time.reference if n == TIME else references[n] for n in known[name])
         return f'    <{tag} valueReference="{references[name]}" dependencies="{" ".join(map(str, depends))}"/>'
 
     return [
         "  <ModelStructure>",
-        *(unknown("Output", name) for name in names(native.entries, "OUTPUT")),
-        *(unknown("ContinuousStateDerivative", name) for name in names(native.entries, "DERIVATIVE")),
+        *(unknown("Output", name) for name in names(model.entries, "OUTPUT")),
+        *(unknown("ContinuousStateDerivative", name) for name in names(model.entries, "DERIVATIVE")),
         *(
             f'    <InitialUnknown valueReference="{references[name]}"/>'
-            for name in names(native.entries, "OUTPUT", "DERIVATIVE")
+            for name in names(model.entries, "OUTPUT", "DERIVATIVE")
         ),
         "  </ModelStructure>",
     ]

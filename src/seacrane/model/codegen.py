@@ -50,6 +50,7 @@ class Entry:
 class Generated:
     """A model as C: all files (the core included), its variables, the GUID made from all of that, and the time."""
 
+    dae: Dae
     sources: dict[str, str]
     entries: tuple[Entry, ...]
     guid: str
@@ -109,7 +110,7 @@ def generate(dae: Dae) -> Generated:
     bytes_of_hash = ", ".join(f"0x{digest[i : i + 2]}" for i in range(0, 32, 2))
     tables += f"const unsigned char model_hash[16] = {{{bytes_of_hash}}};\n"
     sources = {**CORE, "model_size.h": header, "model_tables.c": tables, "model_functions.c": functions}
-    return Generated(sources, tuple(entries), guid, time)
+    return Generated(dae, sources, tuple(entries), guid, time)
 
 
 def _check(dae: Dae) -> None:

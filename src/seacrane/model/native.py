@@ -74,7 +74,7 @@ def build(dae: Dae) -> NativeModel:
     Raises `CompileError` if there is no C compiler or it fails, `StructureError` if start or nominal values are unfit.
     """
     generated = generate(dae)
-    return NativeModel(dae, generated, build_library("model", generated.sources, ["-w"]))
+    return NativeModel(generated, build_library("model", generated.sources, ["-w"]))
 
 
 class NativeModel:
@@ -84,9 +84,9 @@ class NativeModel:
     `solver.fixed_step` and `der(x)` of each state x.
     """
 
-    def __init__(self, dae: Dae, generated: Generated, path: Path) -> None:
-        self.dae = dae
-        self.name = dae.name
+    def __init__(self, generated: Generated, path: Path) -> None:
+        self.dae = generated.dae
+        self.name = generated.dae.name
         self.guid = generated.guid
         self.path = path
         self.sources = generated.sources

@@ -11,12 +11,13 @@ import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import isfinite, pi
-from typing import Any
+from typing import Any, ClassVar
 
 import casadi as ca
 
 from seacrane.errors import Problem, nearest
 from seacrane.library import symbols
+from seacrane.library.references import ASTROM_MURRAY, DISSERTATION
 from seacrane.model import BondGraph, Component, SignalIn, SignalOut, initial, option, parameter
 from seacrane.model.ports import Port
 from seacrane.numerics.regularise import limit, maximum, piecewise_linear
@@ -30,6 +31,7 @@ class _Keeping(Component):
 
     unit: str = option("unit of the signals", default="1")
     bond_graph = BondGraph()
+    sources: ClassVar[tuple[str, ...]] = (DISSERTATION,)
 
     def check(self) -> Iterator[Problem]:
         yield from _unit_problem("unit", self.unit)
@@ -44,6 +46,7 @@ class _Changing(Component):
     takes: str = option("unit of the inputs", default="1")
     gives: str = option("unit of the output", default="1")
     bond_graph = BondGraph()
+    sources: ClassVar[tuple[str, ...]] = (DISSERTATION,)
 
     def check(self) -> Iterator[Problem]:
         yield from _unit_problem("takes", self.takes)
@@ -128,8 +131,8 @@ class Ramp(_Keeping):
 class RecordedInput(_Keeping):
     """A recorded signal: y is the line through `points`, pairs (time [s], value), constant before and after.
 
-    A jump is two points a little apart in time. An axis of a recorded joystick has values in [-1, 1]. Meant for tens to
-    hundreds of points: each is part of the equations.
+    A jump is two points a little apart in time. An axis of a recorded joystick has values in [-1, 1]; put a
+    `JoystickInput` behind it. Meant for tens to hundreds of points: each is part of the equations.
     """
 
     points: Points = option("pairs (time, value), times strictly rising")
@@ -142,6 +145,36 @@ class RecordedInput(_Keeping):
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield m.y, piecewise_linear(m.time, self.points)
+
+
+class JoystickInput(Component):
+    """One axis of a joystick, from the angle of its lever to a command.
+
+        u in [-1, 1] ──►[ _/ ]──► y = scale ((1 - c) s + c s^3) sign(u),  s = max(|u| - dead_zone, 0) / (1 - dead_zone)
+
+    c `progression` makes small commands finer; at full deflection y = scale. The lever is held within [-1, 1]. There is
+    no ramp and no dead man's switch in it: see `RateLimit` for the one; the other belongs to the control system.
+    """
+
+    dead_zone: Ratio = parameter("deflection below which nothing happens", default=0.05, least=0, most=0.5)
+    progression: Ratio = parameter("share c of the cubic part", default=0.0, least=0, most=1)
+    scale: Ratio = parameter("output at full deflection", default=1.0, least=-1e12, most=1e12)
+    gives: str = option("unit of the output", default="1")
+    bond_graph = BondGraph()
+    ports = {"u": SignalIn("1", "deflection of the lever", minimum=-1, maximum=1), "y": SignalOut()}
+    icon = symbols.JOYSTICK
+    sources = (DISSERTATION,)
+
+    def check(self) -> Iterator[Problem]:
+        yield from _unit_problem("gives", self.gives)
+
+    def interface(self) -> Mapping[str, Port]:
+        return _in_units(type(self).ports, "1", self.gives)
+
+    def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
+        u = limit(m.u, -1.0, 1.0)
+        s = (u - limit(u, -self.dead_zone, self.dead_zone)) / (1 - self.dead_zone)
+        yield m.y, self.scale * ((1 - self.progression) * s + self.progression * s**3)
 
 
 # ---------------------------------------------------------------- algebra
@@ -268,6 +301,7 @@ class FirstOrderLag(_Keeping):
     start: Ratio = initial("output at the start", least=-1e12, most=1e12)
     ports = {"u": SignalIn(), "y": SignalOut()}
     icon = symbols.FIRST_ORDER_LAG
+    sources = (f"{ASTROM_MURRAY}, chapter 'Linear Systems'",)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         y = m.state("output", unit=self.unit, start=self.start, about="lagged signal")
@@ -283,6 +317,7 @@ class SecondOrderLag(_Keeping):
     start: Ratio = initial("output at the start", least=-1e12, most=1e12)
     ports = {"u": SignalIn(), "y": SignalOut()}
     icon = symbols.SECOND_ORDER_LAG
+    sources = (f"{ASTROM_MURRAY}, chapter 'Linear Systems'",)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         w = self.natural_frequency

@@ -226,6 +226,8 @@ TORSIONAL_SPRING_DAMPER = Symbol(
     60, 40, _PARALLEL + _DASHPOT + _path("M24 2 a14 6 0 0 1 14 0 l-1 -4 m1 4 l-5 1"), {"a": (0, 20), "b": (60, 20)}
 )
 _ENDS_60 = {"a": (0.0, 20.0), "b": (60.0, 20.0)}
+SPRING = Symbol(60, 40, _path("M0 20 H12") + _spring(12, 20, 36) + _path("M48 20 H60"), _ENDS_60)
+DAMPER = Symbol(60, 40, _path("M0 20 H28 M28 15 V25 M20 11 H38 V29 H20 M38 20 H60"), _ENDS_60)
 ROPE_SPRING = Symbol(60, 40, _path("M0 20 Q6 26 12 20") + _spring(12, 20, 36) + _path("M48 20 Q54 26 60 20"), _ENDS_60)
 END_STOP = Symbol(
     60, 40, _path("M0 20 H20 M20 8 V32 M28 8 V32") + _spring(28, 20, 22) + _path("M50 8 V32 M50 20 H60"), _ENDS_60
@@ -278,6 +280,7 @@ CONSTANT = _block(_AXES + _path("M10 14 H42"))
 SINE = _block(_AXES + _path("M10 20 q8 -20 16 0 t16 0"))
 STEP = _block(_AXES + _path("M10 30 H22 V12 H42"))
 RAMP = _block(_AXES + _path("M10 30 H18 L42 10"))
+JOYSTICK = _block(_path("M12 34 H38 M25 34 L34 10") + _circle(35, 8, 4, _FILLED) + _path("M12 16 A 16 16 0 0 1 22 10"))
 RECORDED = _block(_AXES + _path("M10 26 l6 -8 l5 5 l6 -12 l6 9 l8 -4"))
 GAIN = Symbol(50, 40, _path("M4 2 V38 L50 20 Z M0 20 H4") + _word(19, 25, "K"))
 SUM = Symbol(40, 40, _circle(20, 20, 20) + _word(20, 26, "Σ", 18))

@@ -87,12 +87,14 @@ def parameter(
     return _field(Declaration("parameter", about, above, below, least, most), default)
 
 
-def shared(about: str, *, default: float, above: float | None = None, least: float | None = None) -> Any:
+def shared(
+    about: str, *, default: float, above: float | None = None, least: float | None = None, most: float | None = None
+) -> Any:
     """A parameter that a whole diagram shares by its name (such as the density of the oil).
 
     A value given to the component wins over the diagram's, which wins over `default`.
     """
-    return _field(Declaration("shared", about, above=above, least=least), _Shared(default))
+    return _field(Declaration("shared", about, above=above, least=least, most=most), _Shared(default))
 
 
 def initial(about: str, *, default: float = 0.0, least: float | None = None, most: float | None = None) -> Any:

@@ -65,11 +65,12 @@ class Flat:
 
 
 class PortVariables:
-    """The variables of one power port, by their letters: `m.a.p`, `m.a.q`."""
+    """The variables of one power port, by their letters (`m.a.p`, `m.a.q`), or in any domain as `across`, `through`."""
 
     def __init__(self, port: PowerPort, across: Any, through: Any) -> None:
         setattr(self, port.across, across)
         setattr(self, port.through, through)
+        self.across, self.through = across, through
         self.power = across * through
 
 

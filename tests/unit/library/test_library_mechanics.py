@@ -36,6 +36,23 @@ def test_spring_and_damper_push_both_ends_apart(law, component, across, through,
     assert values["lost_power"] == pytest.approx(2e3 * 0.04)
 
 
+@pytest.mark.parametrize(
+    ("component", "across", "through", "state"),
+    [(mec.SpringDamper, "v", "F", "compression"), (mec.TorsionalSpringDamper, "w", "T", "twist")],
+)
+def test_spring_and_damper_alone_add_up_to_both(law, component, across, through, state):
+    speeds = {f"a.{across}": 0.3, f"b.{across}": 0.1}
+    both = law(component(stiffness=1e5, damping=2e3, **{state: 0.01}), speeds)
+    spring = law(component(level="spring", stiffness=1e5, **{state: 0.01}), speeds)
+    damper = law(component(level="damper", damping=2e3), speeds)
+    assert spring[f"a.{through}"] == pytest.approx(1e5 * 0.01)
+    assert damper[f"a.{through}"] == pytest.approx(2e3 * 0.2)
+    for account in (f"a.{through}", f"b.{through}", "stored_power", "lost_power"):
+        assert both[account] == pytest.approx(spring[account] + damper[account])
+    assert f"der({state})" not in damper
+    assert law(component(stiffness=1e5, damping=0.0, **{state: 0.01}), speeds) == pytest.approx(spring)
+
+
 def test_bearing_friction_opposes_the_speed(law):
     friction = mec.RotationalFriction(viscous=100.0, coulomb=5e3, friction_speed=1e-4)
     for w in (-0.5, 0.5):

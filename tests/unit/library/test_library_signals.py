@@ -26,6 +26,14 @@ def test_a_recording_is_joined_by_lines_and_held_at_its_ends(law):
         assert law(recording, t=t)["y"] == pytest.approx(np.interp(t, *zip(*points, strict=True)), abs=1e-12)
 
 
+def test_a_joystick_is_dead_in_its_centre_fine_beside_it_and_full_at_its_end(law):
+    straight = sig.JoystickInput(dead_zone=0.1, scale=2.0)
+    curved = sig.JoystickInput(dead_zone=0.1, progression=0.7, scale=2.0)
+    for axis, share in ((0.0, 0.0), (0.09, 0.0), (0.55, 0.5), (-0.55, -0.5), (1.0, 1.0), (-1.7, -1.0)):
+        assert law(straight, {"u": axis})["y"] == pytest.approx(2 * share)
+        assert law(curved, {"u": axis})["y"] == pytest.approx(2 * (0.3 * share + 0.7 * share**3))
+
+
 def test_a_table_is_a_characteristic(law):
     table = sig.Table(points=((-1.0, -10.0), (0.0, 0.0), (1.0, 30.0)), takes="1", gives="bar")
     assert [law(table, {"u": u})["y"] for u in (-2.0, -0.5, 0.5, 2.0)] == pytest.approx([-10, -5, 15, 30])

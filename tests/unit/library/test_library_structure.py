@@ -23,6 +23,23 @@ def test_bond_graph_has_one_bond_at_each_power_port(component: type[Component]) 
 
 
 @pytest.mark.parametrize("component", LIBRARY, ids=lambda c: c.__name__)
+def test_every_law_names_where_it_comes_from(component: type[Component]) -> None:
+    assert component.sources
+    assert all(len(source) > 10 for source in component.sources)
+
+
+@pytest.mark.parametrize("component", LIBRARY, ids=lambda c: c.__name__)
+def test_every_number_has_a_meaning_a_unit_and_bounds(component: type[Component]) -> None:
+    for name, (declaration, quantity) in component.declarations.items():
+        if declaration.role == "option":
+            continue
+        assert declaration.about
+        assert quantity is not None, f"{name} has no unit"
+        assert declaration.least is not None or declaration.above is not None, f"{name} has no lower bound"
+        assert declaration.most is not None or declaration.below is not None, f"{name} has no upper bound"
+
+
+@pytest.mark.parametrize("component", LIBRARY, ids=lambda c: c.__name__)
 def test_icon_has_its_ports_on_grid_points_of_its_rim(component: type[Component]) -> None:
     icon = component.icon
     assert icon is not None

@@ -5,14 +5,16 @@ do not model cavitation; where a line may be sucked empty (an overrunning load),
 to it, as a real circuit has.
 
 Volume flow is counted at port pressure, so that pressure times flow is the power through a port. The oil is one for a
-whole diagram: `density`, `bulk_modulus`, `viscosity` and `transition_pressure` are shared, as in
-`Diagram("drive", density=860.0)`.
+whole diagram: `density`, `bulk_modulus`, `viscosity`, `transition_pressure` and `atmospheric_pressure` are shared, as
+in `Diagram("drive", density=860.0)`. `mineral_oil` gives the first three at a temperature:
+`Diagram("drive", **mineral_oil(333.15))`.
 """
 
 from .accumulators import GasAccumulator
 from .cylinders import DoubleActingCylinder, SingleActingCylinder
 from .directional import DirectionalValve22, DirectionalValve43, FourPortDirectionalValve22
 from .flow_control import Filter, FlowDivider, PressureCompensator, ShuttleValve
+from .fluid import mineral_oil
 from .motors import HydraulicMotor, VariableHydraulicMotor
 from .orifices import Orifice, VariableOrifice
 from .pipes import Hose, Pipe
@@ -75,5 +77,6 @@ __all__ = [
     "VariableHydraulicMotor",
     "VariableOrifice",
     "Volume",
+    "mineral_oil",
     "power_unit",
 ]

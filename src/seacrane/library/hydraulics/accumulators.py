@@ -12,7 +12,7 @@ from seacrane.numerics.regularise import limit, maximum, minimum
 from seacrane.units import Pressure, Ratio, Temperature, Time, Volume, l
 
 from . import nitrogen
-from .fluid import ATMOSPHERE
+from .fluid import ATMOSPHERE, atmospheric_pressure
 
 SQUEEZED = 0.02
 """Least gas volume, of the volume at precharge: oil beyond it meets no more resistance."""
@@ -46,12 +46,13 @@ class GasAccumulator(Component):
       stiffer than an ideal gas.
 
     Below the precharge the oil port shuts: the pressure falls to nothing over 0.1 % of the volume. Pressures are
-    gauge; gas laws are written with p + 1.01325 bar. Reports `gas_volume` [m3] and `gas_pressure` [Pa, absolute].
-    Given the flow, gives the pressure.
+    gauge; gas laws are written with p + `atmospheric_pressure`. Reports `gas_volume` [m3] and `gas_pressure` [Pa,
+    absolute]. Given the flow, gives the pressure.
     """
 
     volume: Volume = parameter("volume of gas at precharge", above=0, most=1e2)
     precharge: Pressure = parameter("pressure (gauge) of the gas without oil", above=0, most=1e8)
+    atmospheric_pressure: Pressure = atmospheric_pressure()
     oil: Volume = initial("oil in it at the start", least=0, most=1e2)
     ports = {"a": Hydraulic("oil in")}
     bond_graph = BondGraph("gas: C", "a |-> gas")
@@ -71,15 +72,18 @@ class GasAccumulator(Component):
 
     def filled(self, m: Any, oil: Any, pressure: Any) -> Iterator[tuple[Any, Any]]:
         """Port laws, with the gas at `pressure` [Pa, absolute]."""
-        seat = (self.precharge + ATMOSPHERE) / (SEAT * self.volume) * minimum(oil, 0.0)
-        yield m.a.p, pressure - ATMOSPHERE + seat
+        seat = (self.precharge + self.atmospheric_pressure) / (SEAT * self.volume) * minimum(oil, 0.0)
+        yield m.a.p, pressure - self.atmospheric_pressure + seat
         yield m.der(oil), m.a.q
         m.observe("gas_pressure", pressure, "Pa", "absolute pressure of the gas")
-        m.stores((seat - ATMOSPHERE) * m.a.q)
+        m.stores((seat - self.atmospheric_pressure) * m.a.q)
 
-    def oil_at(self, pressure: Pressure) -> Volume:
-        """The oil [m3] in the accumulator at rest at this pressure (gauge), at the surroundings' temperature."""
-        return float(self.volume * maximum(1 - (self.precharge + ATMOSPHERE) / (pressure + ATMOSPHERE), 0.0))
+    def oil_at(self, pressure: Pressure, atmosphere: Pressure = ATMOSPHERE) -> Volume:
+        """The oil [m3] in the accumulator at rest at this pressure (gauge), at the surroundings' temperature.
+
+        `atmosphere` [Pa] is what gauge pressures count from.
+        """
+        return float(self.volume * maximum(1 - (self.precharge + atmosphere) / (pressure + atmosphere), 0.0))
 
 
 class IsothermalGasAccumulator(GasAccumulator, level="isothermal"):
@@ -89,7 +93,7 @@ class IsothermalGasAccumulator(GasAccumulator, level="isothermal"):
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         oil, volume = self.gas(m)
-        pressure = (self.precharge + ATMOSPHERE) * self.volume / volume
+        pressure = (self.precharge + self.atmospheric_pressure) * self.volume / volume
         yield from self.filled(m, oil, pressure)
         m.stores(pressure * m.a.q)
 
@@ -102,7 +106,7 @@ class AdiabaticGasAccumulator(GasAccumulator, level="adiabatic"):
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         oil, volume = self.gas(m)
-        pressure = (self.precharge + ATMOSPHERE) * (self.volume / volume) ** self.exponent
+        pressure = (self.precharge + self.atmospheric_pressure) * (self.volume / volume) ** self.exponent
         yield from self.filled(m, oil, pressure)
         m.stores(pressure * m.a.q)
 
@@ -135,7 +139,7 @@ class RealGasAccumulator(GasAccumulator, level="real-gas"):
             nominal=10.0,
             about="temperature of the gas above that of the surroundings",
         )
-        moles = self.volume / nitrogen.molar_volume(self.precharge + ATMOSPHERE, self.surroundings)
+        moles = self.volume / nitrogen.molar_volume(self.precharge + self.atmospheric_pressure, self.surroundings)
         v, t = volume / moles, limit(self.surroundings + excess, COLDEST, HOTTEST)
         pressure, capacity = nitrogen.pressure(v, t), moles * nitrogen.heat_capacity(v, t)
         coupling = t * nitrogen.pressure_slope(v, t)
@@ -147,10 +151,10 @@ class RealGasAccumulator(GasAccumulator, level="real-gas"):
         m.supplies(heat)
         m.observe("temperature", t, "K", "temperature of the gas")
 
-    def oil_at(self, pressure: Pressure) -> Volume:
+    def oil_at(self, pressure: Pressure, atmosphere: Pressure = ATMOSPHERE) -> Volume:
         """See the interface; by the equation of state."""
-        before = nitrogen.molar_volume(self.precharge + ATMOSPHERE, self.surroundings)
-        now = nitrogen.molar_volume(pressure + ATMOSPHERE, self.surroundings)
+        before = nitrogen.molar_volume(self.precharge + atmosphere, self.surroundings)
+        now = nitrogen.molar_volume(pressure + atmosphere, self.surroundings)
         return float(self.volume * maximum(1 - now / before, 0.0))
 
 

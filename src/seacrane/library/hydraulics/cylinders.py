@@ -10,6 +10,7 @@ import casadi as ca
 
 from seacrane.errors import Problem
 from seacrane.library import symbols
+from seacrane.library.references import DISSERTATION, MERRITT, OLSSON
 from seacrane.model import BondGraph, Component, Hydraulic, Translational, initial, parameter
 from seacrane.numerics.regularise import limit, maximum, smooth_sign
 from seacrane.units import (
@@ -27,9 +28,7 @@ from seacrane.units import (
     mm,
 )
 
-from .fluid import DISSERTATION, MERRITT, bulk_modulus, density, orifice_flow, transition_pressure
-
-OLSSON = "H. Olsson et al., Friction models and friction compensation, European Journal of Control 4, 1998"
+from .fluid import bulk_modulus, density, orifice_flow, transition_pressure
 
 
 class _Losses(Component):

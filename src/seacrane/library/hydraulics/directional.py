@@ -10,11 +10,12 @@ from typing import Any
 
 from seacrane.errors import Problem
 from seacrane.library import symbols
+from seacrane.library.references import DISSERTATION, MERRITT
 from seacrane.model import BondGraph, Component, Hydraulic, SignalIn, initial, parameter
 from seacrane.numerics.regularise import limit, maximum, minimum, positive_part
 from seacrane.units import AngularSpeed, FlowRate, Pressure, Ratio, Time
 
-from .fluid import DISSERTATION, MERRITT, rated_flow, transition_pressure
+from .fluid import rated_flow, transition_pressure
 from .opening import ROUNDING
 
 _NARROWEST_DEAD_BAND = 1e-6  # keeps a quotient finite where there is no dead band, and no floating centre either

@@ -7,12 +7,13 @@ from typing import Any
 
 from seacrane.errors import Problem
 from seacrane.library import symbols
+from seacrane.library.references import DISSERTATION, MERRITT, WATTON
 from seacrane.model import BondGraph, Component, Hydraulic, parameter
 from seacrane.numerics.regularise import smooth_limit, smooth_sign
 from seacrane.units import FlowRate, KinematicViscosity, Pressure, Ratio, bar
 
-from .fluid import DISSERTATION, MERRITT, rated_flow, transition_pressure, viscosity
-from .opening import ROUNDING, opening, rising
+from .fluid import rated_flow, transition_pressure, viscosity
+from .opening import ROUNDING, opening, passing, rising
 
 RATED_COMPENSATOR_DROP = 5 * bar
 """The pressure drop at which data sheets state the flow of a compensator (q_dp5)."""
@@ -52,13 +53,11 @@ class PressureCompensator(Component):
     sources = (DISSERTATION,)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
-        dp = m.a.p - m.b.p
         k = smooth_limit(1 - (m.s.p - m.ls.p) / self.setting, 0.0, 1.0, ROUNDING)
-        yield m.a.q, k * rated_flow(dp, self.flow, RATED_COMPENSATOR_DROP, self.transition_pressure)
-        yield m.a.q + m.b.q, 0
+        q = k * rated_flow(m.a.p - m.b.p, self.flow, RATED_COMPENSATOR_DROP, self.transition_pressure)
+        yield from passing(m, m.a, m.b, q)
         yield m.s.q, 0
         yield m.ls.q, 0
-        m.dissipates(m.a.q * dp)
         m.observe("opening", k, "1", "opening, of full area")
 
 
@@ -127,9 +126,8 @@ class Filter(Component):
         dp = m.a.p - m.b.p
         element = (1 - self.clogging) * self.flow * dp / self.at * DATA_SHEET_VISCOSITY / self.viscosity
         k = opening(dp, self.crack, self.full)
-        yield m.a.q, element + k * rated_flow(dp, self.flow, self.full, self.transition_pressure)
-        yield m.a.q + m.b.q, 0
-        m.dissipates(m.a.q * dp)
+        bypass = k * rated_flow(dp, self.flow, self.full, self.transition_pressure)
+        yield from passing(m, m.a, m.b, element + bypass)
         m.observe("bypass", k, "1", "opening of the bypass, of full area")
 
 
@@ -154,7 +152,7 @@ class ShuttleValve(Component):
         "a -> from_a, from_a ->| seat_a, from_a -> out, b -> from_b, from_b ->| seat_b, from_b -> out, out -> c",
     )
     icon = symbols.SHUTTLE_VALVE
-    sources = ("J. Watton, Fundamentals of Fluid Power Control, 2009",)
+    sources = (WATTON,)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         k = smooth_limit(0.5 + (m.a.p - m.b.p) / (2 * self.shift), 0.0, 1.0, ROUNDING)

@@ -6,11 +6,12 @@ from collections.abc import Iterator
 from typing import Any
 
 from seacrane.library import symbols
+from seacrane.library.references import DISSERTATION, MERRITT
 from seacrane.model import BondGraph, Component, Hydraulic, Rotational, SignalIn, parameter
 from seacrane.numerics.regularise import limit, smooth_sign
 from seacrane.units import AngularSpeed, Displacement, Leakage, Pressure, Ratio, RotationalDamping, Torque
 
-from .fluid import DISSERTATION, MERRITT, transition_pressure
+from .fluid import transition_pressure
 
 _FIXED = BondGraph(
     "through: 1, drop: 0, leakage: R, displacement: TF, speed: 1, friction: R",

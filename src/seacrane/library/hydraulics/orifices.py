@@ -7,11 +7,13 @@ from math import pi
 from typing import Any
 
 from seacrane.library import symbols
+from seacrane.library.references import DISSERTATION, MERRITT
 from seacrane.model import BondGraph, Component, Hydraulic, SignalIn, parameter
 from seacrane.numerics.regularise import limit
 from seacrane.units import Density, Diameter, Pressure, Ratio
 
-from .fluid import DISSERTATION, MERRITT, density, orifice_flow, transition_pressure
+from .fluid import density, orifice_flow, transition_pressure
+from .opening import passing
 
 _SOURCES = (f"{MERRITT}, section 3.4", DISSERTATION)
 
@@ -35,11 +37,9 @@ class Orifice(Component):
     sources = _SOURCES
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
-        dp = m.a.p - m.b.p
         area = pi / 4 * self.diameter**2
-        yield m.a.q, orifice_flow(dp, area, self.discharge, self.density, self.transition_pressure)
-        yield m.a.q + m.b.q, 0
-        m.dissipates(m.a.q * dp)
+        q = orifice_flow(m.a.p - m.b.p, area, self.discharge, self.density, self.transition_pressure)
+        yield from passing(m, m.a, m.b, q)
 
 
 class VariableOrifice(Component):
@@ -55,8 +55,6 @@ class VariableOrifice(Component):
     sources = _SOURCES
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
-        dp = m.a.p - m.b.p
         area = limit(m.k, 0.0, 1.0) * pi / 4 * self.diameter**2
-        yield m.a.q, orifice_flow(dp, area, self.discharge, self.density, self.transition_pressure)
-        yield m.a.q + m.b.q, 0
-        m.dissipates(m.a.q * dp)
+        q = orifice_flow(m.a.p - m.b.p, area, self.discharge, self.density, self.transition_pressure)
+        yield from passing(m, m.a, m.b, q)

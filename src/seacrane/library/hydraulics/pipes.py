@@ -10,11 +10,12 @@ import casadi as ca
 
 from seacrane.errors import Problem
 from seacrane.library import symbols
+from seacrane.library.references import DISSERTATION, MERRITT
 from seacrane.model import BondGraph, Component, Hydraulic, initial, option, parameter
 from seacrane.numerics.regularise import limit, maximum
 from seacrane.units import Area, Density, Diameter, FlowRate, KinematicViscosity, Length, Pressure, Ratio, mm
 
-from .fluid import DISSERTATION, MERRITT, bulk_modulus, density, viscosity
+from .fluid import bulk_modulus, density, viscosity
 
 LAMINAR, TURBULENT = 2300.0, 4000.0
 """Reynolds numbers at which laminar flow ends and fully turbulent flow begins; friction is blended between them."""

@@ -11,6 +11,7 @@ from typing import Any
 
 from seacrane.errors import Problem
 from seacrane.library import symbols
+from seacrane.library.references import DISSERTATION, MERRITT, WATTON
 from seacrane.model import BondGraph, Component, Hydraulic, Rotational, SignalIn, parameter
 from seacrane.numerics.regularise import limit, maximum, minimum, smooth_limit, smooth_sign
 from seacrane.units import (
@@ -26,8 +27,7 @@ from seacrane.units import (
     bar,
 )
 
-from .fluid import DISSERTATION, MERRITT
-from .opening import ROUNDING
+from .opening import ROUNDING, lagging
 
 
 class Pump(Component):
@@ -138,7 +138,7 @@ class LoadSensingPump(Component):
     ports = {"p": Hydraulic("outlet"), "ls": Hydraulic("pressure of the load")}
     bond_graph = BondGraph("supply: R, sensing: Sf", "p |-> supply, ls ->| sensing")
     icon = symbols.PUMP_LOAD_SENSING
-    sources = ("J. Watton, Fundamentals of Fluid Power Control, 2009",)
+    sources = (WATTON,)
 
     def stroke(self, m: Any) -> Any:
         """k_s at the pressures of this instant."""
@@ -166,9 +166,8 @@ class DynamicLoadSensingPump(LoadSensingPump, level="dynamic"):
     time_constant: Time = parameter("time constant of the swash plate", default=50e-3, above=0, most=10)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
-        k = m.state("swash", unit="1", about="stroke, of full")
-        yield m.der(k), (self.stroke(m) - k) / self.time_constant
-        yield from self.delivery(m, limit(k, 0.0, 1.0))
+        k = yield from lagging(m, "swash", self.stroke(m), self.time_constant, about="stroke, of full")
+        yield from self.delivery(m, k)
 
 
 # ---------------------------------------------------------------- driven by a shaft

@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from typing import Any
 
 from seacrane.library import symbols
+from seacrane.library.references import DISSERTATION, KARNOPP
 from seacrane.model import BondGraph, Component, Hydraulic, SignalIn, SignalOut, parameter
 from seacrane.units import Pressure
 
-from .fluid import DISSERTATION
+_BOUNDARY = (f"{KARNOPP}, chapter 3 (ideal sources)",)
 
 
 class Tank(Component):
@@ -32,6 +33,7 @@ class Plug(Component):
     ports = {"a": Hydraulic("plugged port")}
     bond_graph = BondGraph("closed: Sf", "closed |-> a")
     icon = symbols.PLUG
+    sources = (DISSERTATION,)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield m.a.q, 0
@@ -43,6 +45,7 @@ class PressureInput(Component):
     ports = {"set": SignalIn("Pa", "pressure"), "p": Hydraulic("outlet"), "q": SignalOut("m3/s", "flow delivered")}
     bond_graph = BondGraph("source: MSe", "source ->| p")
     icon = symbols.PRESSURE_SOURCE
+    sources = _BOUNDARY
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield m.p.p, m.set
@@ -56,6 +59,7 @@ class FlowInput(Component):
     ports = {"set": SignalIn("m3/s", "flow into the circuit"), "p": Hydraulic("outlet")}
     bond_graph = BondGraph("source: MSf", "source |-> p")
     icon = symbols.FLOW_SOURCE
+    sources = _BOUNDARY
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield m.p.q, -m.set

@@ -12,12 +12,13 @@ from typing import Any
 
 from seacrane.errors import Problem
 from seacrane.library import symbols
+from seacrane.library.references import DISSERTATION, WATTON
 from seacrane.model import BondGraph, Component, Hydraulic, parameter
-from seacrane.numerics.regularise import limit, maximum, positive_part
+from seacrane.numerics.regularise import positive_part
 from seacrane.units import FlowRate, Pressure, Ratio, Time, bar
 
-from .fluid import DISSERTATION, rated_flow, transition_pressure
-from .opening import opening, rising
+from .fluid import rated_flow, transition_pressure
+from .opening import lagging, opening, passing, rising
 
 
 # ---------------------------------------------------------------- load holding
@@ -61,10 +62,8 @@ class CounterbalanceValve(Component):
         dp = m.a.p - m.b.p
         check = opening(dp, self.check_pressure, 4 * self.check_pressure)
         total = check + relief + self.leakage
-        yield m.a.q, total * rated_flow(dp, self.flow, self.at, self.transition_pressure)
-        yield m.a.q + m.b.q, 0
+        yield from passing(m, m.a, m.b, total * rated_flow(dp, self.flow, self.at, self.transition_pressure))
         yield m.pilot.q, 0
-        m.dissipates(m.a.q * dp)
         m.observe("relief_opening", relief, "1", "opening of the relief, of full area")
 
 
@@ -81,9 +80,8 @@ class DynamicCounterbalanceValve(CounterbalanceValve, level="dynamic"):
     time_constant: Time = parameter("time constant of the poppet", above=0, most=10)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
-        k = m.state("relief_position", unit="1", about="opening of the relief, of full area")
-        yield m.der(k), (self.relief_opening(m) - k) / self.time_constant
-        yield from self.paths(m, maximum(k, 0.0))
+        k = yield from lagging(m, "relief_position", self.relief_opening(m), self.time_constant)
+        yield from self.paths(m, k)
 
 
 # ---------------------------------------------------------------- pressure limiting
@@ -109,12 +107,14 @@ class ReliefValve(Component):
     def check(self) -> Iterator[Problem]:
         yield from rising(("crack", self.crack), ("full", self.full))
 
+    def static_opening(self, m: Any) -> Any:
+        """k_s at the pressures of this instant."""
+        return opening(m.a.p - m.b.p, self.crack, self.full)
+
     def seat(self, m: Any, k: Any) -> Iterator[tuple[Any, Any]]:
         """The flow at the opening k."""
-        dp = m.a.p - m.b.p
-        yield m.a.q, k * rated_flow(dp, self.flow, self.full, self.transition_pressure)
-        yield m.a.q + m.b.q, 0
-        m.dissipates(m.a.q * dp)
+        q = k * rated_flow(m.a.p - m.b.p, self.flow, self.full, self.transition_pressure)
+        yield from passing(m, m.a, m.b, q)
         m.observe("opening", k, "1", "opening, of full area")
 
 
@@ -122,7 +122,7 @@ class StaticReliefValve(ReliefValve, level="static"):
     """The poppet follows the pressures at once."""
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
-        yield from self.seat(m, opening(m.a.p - m.b.p, self.crack, self.full))
+        yield from self.seat(m, self.static_opening(m))
 
 
 class DynamicReliefValve(ReliefValve, level="dynamic"):
@@ -134,9 +134,8 @@ class DynamicReliefValve(ReliefValve, level="dynamic"):
     time_constant: Time = parameter("time constant of the poppet", above=0, most=10)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
-        k = m.state("poppet", unit="1", about="opening, of full area")
-        yield m.der(k), (opening(m.a.p - m.b.p, self.crack, self.full) - k) / self.time_constant
-        yield from self.seat(m, limit(k, 0.0, 1.0))
+        k = yield from lagging(m, "poppet", self.static_opening(m), self.time_constant)
+        yield from self.seat(m, k)
 
 
 class PressureReducingValve(Component):
@@ -159,17 +158,19 @@ class PressureReducingValve(Component):
     ports = {"a": Hydraulic("inlet"), "b": Hydraulic("reduced pressure")}
     bond_graph = BondGraph("through: 1, seat: MR", "a -> through, through -> b, through ->| seat")
     icon = symbols.PRESSURE_REDUCING_VALVE
-    sources = ("J. Watton, Fundamentals of Fluid Power Control, 2009",)
+    sources = (WATTON,)
 
     def check(self) -> Iterator[Problem]:
         yield from rising(("full", self.full), ("shut", self.shut))
 
+    def static_opening(self, m: Any) -> Any:
+        """k_s at the pressure of this instant."""
+        return 1 - opening(m.b.p, self.full, self.shut)
+
     def seat(self, m: Any, k: Any) -> Iterator[tuple[Any, Any]]:
         """The flow at the opening k."""
-        dp = m.a.p - m.b.p
-        yield m.a.q, k * rated_flow(dp, self.flow, self.at, self.transition_pressure)
-        yield m.a.q + m.b.q, 0
-        m.dissipates(m.a.q * dp)
+        q = k * rated_flow(m.a.p - m.b.p, self.flow, self.at, self.transition_pressure)
+        yield from passing(m, m.a, m.b, q)
         m.observe("opening", k, "1", "opening, of full area")
 
 
@@ -177,7 +178,7 @@ class StaticPressureReducingValve(PressureReducingValve, level="static"):
     """The spool follows the pressure at once."""
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
-        yield from self.seat(m, 1 - opening(m.b.p, self.full, self.shut))
+        yield from self.seat(m, self.static_opening(m))
 
 
 class DynamicPressureReducingValve(PressureReducingValve, level="dynamic"):
@@ -186,9 +187,8 @@ class DynamicPressureReducingValve(PressureReducingValve, level="dynamic"):
     time_constant: Time = parameter("time constant of the spool", above=0, most=10)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
-        k = m.state("spool", unit="1", start=1.0, about="opening, of full area")
-        yield m.der(k), (1 - opening(m.b.p, self.full, self.shut) - k) / self.time_constant
-        yield from self.seat(m, limit(k, 0.0, 1.0))
+        k = yield from lagging(m, "spool", self.static_opening(m), self.time_constant, start=1.0)
+        yield from self.seat(m, k)
 
 
 # ---------------------------------------------------------------- one way
@@ -208,6 +208,7 @@ class CheckValve(Component):
     ports = {"a": Hydraulic("inlet"), "b": Hydraulic("outlet")}
     bond_graph = BondGraph("through: 1, seat: R", "a -> through, through -> b, through ->| seat")
     icon = symbols.CHECK_VALVE
+    sources = (WATTON, DISSERTATION)
 
     def check(self) -> Iterator[Problem]:
         yield from rising(("crack", self.crack), ("full", self.full))
@@ -215,9 +216,7 @@ class CheckValve(Component):
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         dp = m.a.p - m.b.p
         k = opening(dp, self.crack, self.full)
-        yield m.a.q, k * rated_flow(dp, self.flow, self.at, self.transition_pressure)
-        yield m.a.q + m.b.q, 0
-        m.dissipates(m.a.q * dp)
+        yield from passing(m, m.a, m.b, k * rated_flow(dp, self.flow, self.at, self.transition_pressure))
 
 
 class PilotOperatedCheckValve(Component):
@@ -242,7 +241,7 @@ class PilotOperatedCheckValve(Component):
         "through: 1, seat: MR, pilot_piston: Sf", "a -> through, through -> b, through ->| seat, pilot ->| pilot_piston"
     )
     icon = symbols.PILOT_OPERATED_CHECK_VALVE
-    sources = ("J. Watton, Fundamentals of Fluid Power Control, 2009",)
+    sources = (WATTON,)
 
     def check(self) -> Iterator[Problem]:
         yield from rising(("crack", self.crack), ("full", self.full))
@@ -251,10 +250,8 @@ class PilotOperatedCheckValve(Component):
         dp = m.a.p - m.b.p
         pilot = self.ratio * positive_part(m.pilot.p - m.a.p, self.crack / self.ratio)
         k = opening(dp + pilot, self.crack, self.full)
-        yield m.a.q, k * rated_flow(dp, self.flow, self.at, self.transition_pressure)
-        yield m.a.q + m.b.q, 0
+        yield from passing(m, m.a, m.b, k * rated_flow(dp, self.flow, self.at, self.transition_pressure))
         yield m.pilot.q, 0
-        m.dissipates(m.a.q * dp)
         m.observe("opening", k, "1", "opening, of full area")
 
 
@@ -283,6 +280,4 @@ class AnticavitationValve(Component):
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         dp = m.t.p - m.a.p
         k = opening(dp, self.crack, self.full)
-        yield m.t.q, k * rated_flow(dp, self.flow, self.at, self.transition_pressure)
-        yield m.t.q + m.a.q, 0
-        m.dissipates(m.t.q * dp)
+        yield from passing(m, m.t, m.a, k * rated_flow(dp, self.flow, self.at, self.transition_pressure))

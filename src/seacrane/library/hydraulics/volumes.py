@@ -8,12 +8,13 @@ from typing import Any, ClassVar
 import casadi as ca
 
 from seacrane.library import symbols
+from seacrane.library.references import DISSERTATION, MERRITT
 from seacrane.model import BondGraph, Component, Hydraulic, initial, parameter
 from seacrane.numerics.regularise import maximum
 from seacrane.units import GRAVITY, Acceleration, Area, Density, Length, Pressure, Ratio, bar
 from seacrane.units import Volume as CubicMetres
 
-from .fluid import ATMOSPHERE, DISSERTATION, MERRITT, bulk_modulus, density
+from .fluid import atmospheric_pressure, bulk_modulus, density
 
 LEAST_PRESSURE = 0.01 * bar
 """Absolute pressure below which the law of entrained air is not followed further: oil has long begun to boil."""
@@ -63,20 +64,21 @@ class ControlVolume(Volume, level="control-volume"):
 
 
 class EntrainedAirVolume(Volume, level="entrained-air"):
-    """A rigid volume of oil with air bubbles: dp/dt = (beta_e / V) q, with P = p + 1.01325 bar and
+    """A rigid volume of oil with air bubbles: dp/dt = (beta_e / V) q, with P = p + P_0 and
 
-        V_m / V_0 = (1 - alpha) exp(-p / beta) + alpha (P_0 / P)^(1/n)          what fills V_0 at the atmosphere's P_0
+        V_m / V_0 = (1 - alpha) exp(-p / beta) + alpha (P_0 / P)^(1/n)          what fills V_0 at P_0
         beta_e    = -V_m / (dV_m/dp)
 
-    alpha is the share of air by volume at atmospheric pressure: 0.005 to 0.02 in a working system. n = 1.4: bubbles are
-    compressed too fast to give off heat. beta is here the modulus of the oil alone. None of the air dissolves. Stores
-    p q. Reports `effective_modulus` [Pa].
+    P_0 is the pressure of the atmosphere; alpha is the share of air by volume there: 0.005 to 0.02 in a working system.
+    n = 1.4: bubbles are compressed too fast to give off heat. beta is here the modulus of the oil alone; see
+    `mineral_oil` for that at a temperature. None of the air dissolves. Stores p q. Reports `effective_modulus` [Pa].
     """
 
     volume: CubicMetres = parameter("volume of oil", above=0, most=1e2)
     air: Ratio = parameter("share of air by volume at atmospheric pressure", default=0.01, least=0, below=0.5)
     exponent: Ratio = parameter("polytropic exponent n of the air", default=1.4, least=1, most=1.67)
     bulk_modulus: Pressure = bulk_modulus()
+    atmospheric_pressure: Pressure = atmospheric_pressure()
     pressure: Pressure = initial("pressure at the start (gauge)", least=-1e5, most=1e8)
     bond_graph = BondGraph("oil: C", "a |-> oil")
     icon = symbols.VOLUME
@@ -84,9 +86,10 @@ class EntrainedAirVolume(Volume, level="entrained-air"):
 
     def effective_modulus(self, p: Any) -> Any:
         """beta_e [Pa] at the gauge pressure p."""
-        absolute = maximum(p + ATMOSPHERE, LEAST_PRESSURE)
-        liquid = (1 - self.air) * ca.exp(-(absolute - ATMOSPHERE) / self.bulk_modulus)
-        air = self.air * (ATMOSPHERE / absolute) ** (1 / self.exponent)
+        atmosphere = self.atmospheric_pressure
+        absolute = maximum(p + atmosphere, LEAST_PRESSURE)
+        liquid = (1 - self.air) * ca.exp(-(absolute - atmosphere) / self.bulk_modulus)
+        air = self.air * (atmosphere / absolute) ** (1 / self.exponent)
         return (liquid + air) / (liquid / self.bulk_modulus + air / (self.exponent * absolute))
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:

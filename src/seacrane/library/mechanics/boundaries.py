@@ -6,13 +6,11 @@ from collections.abc import Iterator
 from typing import Any
 
 from seacrane.library import symbols
+from seacrane.library.references import DISSERTATION
 from seacrane.model import BondGraph, Component, Rotational, SignalIn, SignalOut, Translational, initial, parameter
-from seacrane.units import (
-    Frequency,
-    Length,
-)
+from seacrane.units import Frequency, Length
 
-DISSERTATION = "Virtual Prototyping for Marine Crane Design and Operations, 2018, section 4.2.2 and appendix A"
+_SOURCES = (f"{DISSERTATION} (drives in co-simulation)",)
 
 
 class MotionInput(Component):
@@ -41,6 +39,7 @@ class MotionInput(Component):
     }
     bond_graph = BondGraph("partner: MSf", "partner |-> flange")
     icon = symbols.MOTION_INPUT
+    sources = _SOURCES
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         x = m.state("position", unit="m", start=self.position, about="own position of the flange")
@@ -67,6 +66,7 @@ class SpeedInput(Component):
     }
     bond_graph = BondGraph("partner: MSf", "partner |-> flange")
     icon = symbols.SPEED_INPUT
+    sources = _SOURCES
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         w = m.state("work_done", unit="J", nominal=1e5, about="work done on the partner")
@@ -93,6 +93,7 @@ class ForceInput(Component):
     }
     bond_graph = BondGraph("partner: MSe", "partner ->| flange")
     icon = symbols.FORCE_INPUT
+    sources = _SOURCES
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         x = m.state("position", unit="m", start=self.position, about="position of the flange")
@@ -117,6 +118,7 @@ class TorqueInput(Component):
     }
     bond_graph = BondGraph("partner: MSe", "partner ->| flange")
     icon = symbols.TORQUE_INPUT
+    sources = _SOURCES
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         w = m.state("work_done", unit="J", nominal=1e5, about="work done on the partner")

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from seacrane.library import symbols
+from seacrane.library.references import DISSERTATION
 from seacrane.model import BondGraph, Component, Rotational, Translational, initial, parameter
 from seacrane.units import (
     GRAVITY,
@@ -20,8 +21,6 @@ from seacrane.units import (
 from seacrane.units import (
     Mass as KilogramMass,
 )
-
-DISSERTATION = "Virtual Prototyping for Marine Crane Design and Operations, 2018, section 4.2.2 and appendix A"
 
 
 class Mass(Component):

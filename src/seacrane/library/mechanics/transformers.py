@@ -7,15 +7,10 @@ from math import pi
 from typing import Any
 
 from seacrane.library import symbols
+from seacrane.library.references import DISSERTATION
 from seacrane.model import BondGraph, Component, Rotational, Translational, initial, parameter
 from seacrane.numerics.regularise import maximum
-from seacrane.units import (
-    Diameter,
-    Length,
-    Ratio,
-)
-
-DISSERTATION = "Virtual Prototyping for Marine Crane Design and Operations, 2018, section 4.2.2 and appendix A"
+from seacrane.units import Diameter, Length, Ratio
 
 
 class Gear(Component):

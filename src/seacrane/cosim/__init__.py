@@ -20,15 +20,18 @@ from seacrane.cosim.model import ModelSlave
 from seacrane.cosim.observers import CsvRecorder, MemoryRecorder, Observer
 from seacrane.cosim.pacing import Pace, RealTime
 from seacrane.cosim.slave import Instance, Interface, NativeCalls, Slave
-from seacrane.cosim.system import Bond, Connection, System
+from seacrane.cosim.structure import Bond, Connection, Connector, Experiment, Transformation
+from seacrane.cosim.system import System
 
 __all__ = [
     "Algorithm",
     "Bond",
     "BondReport",
     "Connection",
+    "Connector",
     "CsvRecorder",
     "Execution",
+    "Experiment",
     "FmuSlave",
     "FunctionSlave",
     "GaussSeidel",
@@ -45,5 +48,6 @@ __all__ = [
     "Slave",
     "State",
     "System",
+    "Transformation",
     "Usage",
 ]

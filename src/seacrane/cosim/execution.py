@@ -81,7 +81,8 @@ class Execution:
         if not system.slaves:
             raise CosimError.at(system.name, "has no slaves", hint="Add one with system.add(name, slave).")
         self._variables = system.variables
-        self._causality = {name: system.causality(name) for name in self._variables}
+        self._causality = system.causalities
+        self._places = {name: system.split(name) for name, c in self._causality.items() if c != "bond"}
         self._sources = {c.target: c.source for c in system.connections}
         self._bonds = tuple(system.bonds)
         schedule = algorithm.schedule(tuple(system.slaves))
@@ -178,7 +179,7 @@ class Execution:
     def set(self, name: str, value: float) -> None:
         """Set an input that nothing drives, or a parameter, in its unit, from the next macro step on."""
         causality = self._require(name)
-        slave, _, variable = name.partition(".")
+        slave, variable = self._places.get(name, (name, ""))
         if causality == "input":
             if name in self._sources:
                 raise CosimError.at(name, f"is driven by {self._sources[name]!r} and cannot be set")

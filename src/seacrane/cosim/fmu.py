@@ -9,7 +9,7 @@ from pathlib import Path
 from seacrane import fmi
 from seacrane.cosim.compiled import CompiledInstance, started
 from seacrane.cosim.slave import Instance, Interface, Slave, check_values
-from seacrane.errors import ParameterError, Problem
+from seacrane.errors import ParameterError, Problem, nearest
 from seacrane.fmi.symbols import known_units, unit_symbol
 from seacrane.model.dae import Variable
 from seacrane.units import UNITS
@@ -22,9 +22,9 @@ class FmuSlave(Slave):
     """An FMU as a slave. It is read here, and unpacked and loaded when it is first instantiated.
 
     `parameters` gives values of parameters, and start values of inputs and of other variables that have one, by name,
-    in the units of the FMU. Inputs and outputs are its real scalars of that causality; its other real scalars can be
-    recorded as well. What cannot be exchanged, because it is no real scalar or its unit is unknown here, is
-    `left_out`.
+    in the units of the FMU; those of type String take texts. Inputs and outputs are its real scalars of that
+    causality; its other real scalars can be recorded as well. What cannot be exchanged, because it is no real scalar
+    or its unit is unknown here, is `left_out`.
 
     An FMU of both kinds is run for co-simulation unless `kind` is "model-exchange"; then it is integrated here to the
     relative `tolerance`, with its events located.
@@ -35,7 +35,7 @@ class FmuSlave(Slave):
     def __init__(
         self,
         path: str | Path,
-        parameters: Mapping[str, float] | None = None,
+        parameters: Mapping[str, float | str] | None = None,
         *,
         kind: fmi.Kind | None = None,
         tolerance: float | None = None,
@@ -48,7 +48,7 @@ class FmuSlave(Slave):
         self._loaded: fmi.Fmu | None = None
         self._open = 0
         groups: dict[str, list[Variable]] = {"input": [], "output": [], "parameter": [], "local": [], "start": []}
-        left_out = []
+        left_out = {}
         units = known_units(self.description)
         for v in self.description.variables:
             symbol = unit_symbol(v, units)
@@ -57,19 +57,24 @@ class FmuSlave(Slave):
             if group == "independent":
                 continue
             if v.type in _NO_NUMBERS or v.dimensions or symbol is None or (not real and group in ("input", "output")):
-                left_out.append(v.name)
+                left_out[v.name] = _why_not(v)
             elif group == "parameter" or real:
                 groups.setdefault(group, []).append(_variable(v, symbol))
                 if group == "local" and v.start is not None:
                     groups["start"].append(_variable(v, symbol))
         self.left_out = tuple(left_out)
         settable = (*groups["parameter"], *groups["input"], *groups["start"])
-        check_values(self.parameters, settable, self.path.name)
+        numbers = {n: v for n, v in self.parameters.items() if not isinstance(v, str)}
+        self._texts = {n: v for n, v in self.parameters.items() if isinstance(v, str)}
+        self._check_texts()
+        check_values(numbers, settable, self.path.name)
+        self._numbers = numbers
         self._interface = Interface(
-            inputs=started(groups["input"], self.parameters),
+            inputs=started(groups["input"], numbers),
             outputs=tuple(groups["output"]),
-            parameters=started(groups["parameter"], self.parameters),
+            parameters=started(groups["parameter"], numbers),
             watchable=tuple(groups["local"]),
+            left_out=left_out,
         )
 
     @property
@@ -92,11 +97,23 @@ class FmuSlave(Slave):
             raise
         instance = FmuSlaveInstance(name, inner, self._interface, references, self._closed)
         try:
-            instance.set(self.parameters)
+            if self._texts:
+                inner.set(list(self._texts), list(self._texts.values()))
+            instance.set(self._numbers)
         except BaseException:
             instance.close()
             raise
         return instance
+
+    def _check_texts(self) -> None:
+        known = [v.name for v in self.description.variables if v.type == "String" and not v.dimensions]
+        problems = [
+            Problem(f"{self.path.name}.{name}", "no such variable of type String", text, hint=nearest(name, known))
+            for name, text in self._texts.items()
+            if name not in known
+        ]
+        if problems:
+            raise ParameterError(problems)
 
     def _closed(self) -> None:
         self._open -= 1
@@ -154,6 +171,13 @@ class FmuSlaveInstance(CompiledInstance):
 
     def failed(self, status: int) -> None:
         self.inner.note_failure(status)
+
+
+def _why_not(v: fmi.Variable) -> str:
+    """Why a variable cannot be exchanged."""
+    if v.dimensions:
+        return f"it is an array of {v.type}"
+    return f"its unit {v.unit!r} is unknown here" if v.type in _REALS else f"it is {v.type}"
 
 
 def _variable(v: fmi.Variable, symbol: str) -> Variable:

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from seacrane.cosim.plan import BondIndices, Part, Plan, Rows
-from seacrane.cosim.slave import Callback, GetFunction, SetFunction, StepFunction, Vector
+from seacrane.cosim.plan import BondIndices, Part, Plan, Rows, Transfer
+from seacrane.cosim.slave import Callback, GetFunction, SetFunction, StepFunction
 from seacrane.native import build_library, source
 
 DONE, ROWS_FULL, FAULT = range(3)
@@ -66,7 +66,7 @@ class _Slave(ctypes.Structure):
 
 
 class _Connection(ctypes.Structure):
-    _fields_ = [("source", _Int), ("target", _Int), ("gain", _Real), ("bias", _Real)]
+    _fields_ = [("source", _Int), ("target", _Int), ("gain", _Real), ("bias", _Real), ("adds", _Int)]
 
 
 class _Bond(ctypes.Structure):
@@ -134,7 +134,9 @@ class NativeLoop(Loop):
                 )
             slave.first_connection, slave.connection_count = first, part.sources.size
             for i in range(part.sources.size):
-                connections[first + i] = _Connection(part.sources[i], part.targets[i], part.gains[i], part.biases[i])
+                connections[first + i] = _Connection(
+                    part.sources[i], part.targets[i], part.gains[i], part.biases[i], part.adds[i]
+                )
             first += part.sources.size
         bonds = (_Bond * len(plan.bonds))(
             *(
@@ -205,7 +207,7 @@ class PythonLoop(Loop):
 
     def refresh(self) -> None:
         self._slaves = [_PythonSlave(part, self._plan) for part in self._plan.parts]
-        self._everything = _Transfer(self._plan.values, self._plan.parts)
+        self._everything = Transfer(self._plan.values, self._plan.parts)
 
     def run(self, steps: int) -> int:
         plan, values = self._plan, self._plan.values
@@ -259,24 +261,11 @@ class PythonLoop(Loop):
         return FAULT
 
 
-class _Transfer:
-    """Outputs to inputs, of all connections into some slaves at once."""
-
-    def __init__(self, values: Vector, parts: list[Part]) -> None:
-        self._values = values
-        self._sources, self._targets = (np.concatenate([getattr(p, n) for p in parts]) for n in ("sources", "targets"))
-        self._gains, self._biases = (np.concatenate([getattr(p, n) for p in parts]) for n in ("gains", "biases"))
-
-    def transfer(self) -> None:
-        if self._sources.size:
-            self._values[self._targets] = self._values[self._sources] * self._gains + self._biases
-
-
 class _PythonSlave:
     """One slave's calls with their arguments made ready."""
 
     def __init__(self, part: Part, plan: Plan) -> None:
-        self.part, self.incoming = part, _Transfer(plan.values, [part])
+        self.part, self.incoming = part, Transfer(plan.values, [part])
         self.outputs = plan.values[part.outputs]
         self._calls = part.instance.calls
         if self._calls is not None:

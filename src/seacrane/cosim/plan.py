@@ -6,7 +6,7 @@ variables of each slave, then the account of each bond.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -15,7 +15,9 @@ import numpy.typing as npt
 from seacrane.cosim.algorithms import Schedule
 from seacrane.cosim.bonds import ACCOUNT
 from seacrane.cosim.slave import Instance, Interface, Vector
+from seacrane.cosim.structure import Connection, factor
 from seacrane.cosim.system import System
+from seacrane.model.dae import Variable
 from seacrane.units import UNITS
 
 
@@ -33,7 +35,28 @@ class Part:
     targets: npt.NDArray[np.int64]
     gains: Vector
     biases: Vector
+    adds: npt.NDArray[np.int64]
+    """Of each connection, whether it adds to what an earlier one has brought to the same input."""
     watched: list[str] = field(default_factory=list)
+
+
+class Transfer:
+    """Outputs to inputs, of all connections into some slaves at once."""
+
+    def __init__(self, values: Vector, parts: Sequence[Part]) -> None:
+        self._values = values
+        names = ("sources", "targets", "gains", "biases", "adds")
+        columns = [np.concatenate([getattr(p, n) for p in parts]) for n in names]
+        alone = columns[-1] == 0
+        self._sources, self._targets, self._gains, self._biases = (column[alone] for column in columns[:4])
+        self._added = list(zip(*(column[~alone].tolist() for column in columns[:3]), strict=True))
+
+    def transfer(self) -> None:
+        values = self._values
+        if self._sources.size:
+            values[self._targets] = values[self._sources] * self._gains + self._biases
+        for source, target, gain in self._added:
+            values[target] = values[source] * gain + values[target]
 
 
 @dataclass(frozen=True)
@@ -83,8 +106,16 @@ class Plan:
                 size += len(variables)
         first_account, size = size, size + len(ACCOUNT) * len(system.bonds)
         self.values: Vector = np.zeros(size)
+        self.watchable = {
+            f"{name}.{v.name}": (name, v.name) for name, interface in interfaces.items() for v in interface.watchable
+        }
+        variables = system.variables
+        incoming: dict[str, list[Connection]] = {name: [] for name in schedule.order}
+        for connection in system.connections:
+            incoming[system.split(connection.target)[0]].append(connection)
         self.parts = [
-            self._part(system, name, interfaces[name], instances[name], places[name]) for name in schedule.order
+            self._part(name, interfaces[name], instances[name], places[name], incoming[name], variables)
+            for name in schedule.order
         ]
         self.bonds = [self._bond(system, name, first_account + len(ACCOUNT) * i) for i, name in enumerate(system.bonds)]
         for bond in self.bonds:
@@ -101,22 +132,29 @@ class Plan:
         parts = {part.name: part for part in self.parts}
         found = False
         for name in names:
-            slave, _, variable = name.partition(".")
-            part = parts.get(slave)
-            if part is None or all(v.name != variable for v in part.interface.watchable):
+            if name not in self.watchable:
                 continue
             found = True
+            slave, variable = self.watchable[name]
+            part = parts[slave]
             if variable not in part.watched:
                 self.index[name] = part.room.start + len(part.watched)
                 part.watched.append(variable)
         return found
 
-    def _part(self, system: System, name: str, interface: Interface, instance: Instance, places: list[slice]) -> Part:
-        variables = system.variables
-        incoming = [c for c in system.connections if c.target.partition(".")[0] == name]
+    def _part(
+        self,
+        name: str,
+        interface: Interface,
+        instance: Instance,
+        places: list[slice],
+        incoming: Sequence[Connection],
+        variables: Mapping[str, Variable],
+    ) -> Part:
         gains = []
         for c in incoming:
-            gains.append(c.gain * (UNITS[variables[c.source].unit].factor / UNITS[variables[c.target].unit].factor))
+            gains.append(c.gain * (factor(variables[c.source].unit, variables[c.target].unit) if c.convert else 1.0))
+        first = {c.target: i for i, c in reversed(list(enumerate(incoming)))}
         return Part(
             name,
             interface,
@@ -128,6 +166,7 @@ class Plan:
             targets=np.array([self.index[c.target] for c in incoming], dtype=np.int64),
             gains=np.array(gains, dtype=np.float64),
             biases=np.array([c.bias for c in incoming], dtype=np.float64),
+            adds=np.array([i != first[c.target] for i, c in enumerate(incoming)], dtype=np.int64),
         )
 
     def _bond(self, system: System, name: str, account: int) -> BondIndices:

@@ -31,12 +31,16 @@ Callback = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_double, ctyp
 
 @dataclass(frozen=True)
 class Interface:
-    """The variables of a slave by causality; `watchable` are internal ones that can only be read."""
+    """The variables of a slave by causality; `watchable` are internal ones that can only be read.
+
+    `left_out` says of further variables, by name, why they cannot be exchanged.
+    """
 
     inputs: tuple[Variable, ...] = ()
     outputs: tuple[Variable, ...] = ()
     parameters: tuple[Variable, ...] = ()
     watchable: tuple[Variable, ...] = ()
+    left_out: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def names(self) -> dict[str, Variable]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from seacrane.cosim.plan import Plan
+from seacrane.cosim.plan import Plan, Transfer
 from seacrane.errors import CosimError, Problem
 
 EXTRA_SWEEPS = 50
@@ -32,12 +32,13 @@ def settle(plan: Plan, given: Mapping[str, float]) -> int:
     for part in plan.parts:
         part.instance.initialise(time)
     nominal = [np.array([abs(v.nominal) for v in part.interface.outputs]) for part in plan.parts]
+    transfers = [Transfer(plan.values, [part]) for part in plan.parts]
     changing: list[str] = []
     for sweep in range(1, len(plan.parts) + EXTRA_SWEEPS + 1):
         changing = []
-        for part, scale in zip(plan.parts, nominal, strict=True):
+        for part, scale, incoming in zip(plan.parts, nominal, transfers, strict=True):
             before = plan.values[part.outputs].copy()
-            plan.values[part.targets] = plan.values[part.sources] * part.gains + part.biases
+            incoming.transfer()
             part.instance.evaluate()
             after = plan.values[part.outputs]
             names = [f"{part.name}.{v.name}" for v in part.interface.outputs]

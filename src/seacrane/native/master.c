@@ -35,6 +35,7 @@ typedef struct {
 typedef struct {
     int64_t source, target; /* indices into values */
     double gain, bias;
+    int64_t adds; /* 1: adds to what an earlier connection has brought to the same input, in place of the bias */
 } connection_t;
 
 typedef struct {
@@ -81,7 +82,7 @@ static void transfer(plan_t *p, int64_t first, int64_t count) {
     const connection_t *c = p->connections + first;
     for (const connection_t *end = c + count; c < end; ++c) {
         const double scaled = p->values[c->source] * c->gain;
-        p->values[c->target] = scaled + c->bias;
+        p->values[c->target] = scaled + (c->adds ? p->values[c->target] : c->bias);
     }
 }
 

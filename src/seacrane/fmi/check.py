@@ -63,7 +63,7 @@ def check(path: str | Path) -> list[Problem]:
     except FmuError as error:
         seen = {(p.path, p.message) for p in problems}
         return problems + [p for p in error.problems if (p.path, p.message) not in seen]
-    if terminals is not None and description.fmi_version != "2.0":
+    if terminals is not None:
         try:
             read_terminals(terminals, description)
         except FmuError as error:

@@ -15,6 +15,9 @@ from seacrane.model.codegen import SETTINGS
 from seacrane.model.dae import Dae, Variable
 from seacrane.units import UNITS
 
+DRAWING: Final = "drawing.svg"
+"""The drawing of the diagram beside the page. FMI has diagram.svg only together with diagram.png."""
+
 _STYLE: Final = (
     "body{font:15px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#1c2430}"
     "table{border-collapse:collapse;width:100%;margin:.5rem 0 1.5rem}th,td{text-align:left;padding:.2rem .6rem;"
@@ -26,7 +29,7 @@ _STYLE: Final = (
 def page(dae: Dae, terminals: Sequence[Terminal], diagram: bool) -> str:
     """documentation/index.html: what goes in and out, parameters with their ranges, states, and sources of the laws.
 
-    Numbers are in the units in which they are shown. With `diagram`, the page shows diagram.svg beside it.
+    Numbers are in the units in which they are shown. With `diagram`, the page shows the drawing that lies beside it.
     """
     title = escape(dae.name)
     parts = [
@@ -36,17 +39,19 @@ def page(dae: Dae, terminals: Sequence[Terminal], diagram: bool) -> str:
     if dae.about:
         parts.append(f"<p>{escape(dae.about)}</p>")
     if diagram:
-        parts.append(f'<p><img src="diagram.svg" alt="Diagram of {title}"></p>')
+        parts.append(f'<p><img src="{DRAWING}" alt="Diagram of {title}"></p>')
     parts += _table("Inputs", dae.inputs, start="default")
     parts += _table("Outputs", dae.outputs)
     if terminals:
         rows = (
-            f"<tr><td><code>{escape(t.name)}</code></td><td>{t.domain}</td><td><code>{escape(t.across_variable)}</code>,"
-            f" <code>{escape(t.through_variable)}</code></td></tr>"
+            f"<tr><td><code>{escape(t.bond.name)}</code></td><td>{t.domain}</td>"
+            f"<td><code>{escape(t.bond.across)}</code>, <code>{escape(t.bond.through)}</code></td>"
+            f"<td>{'into' if t.bond.inward else 'out of'} the model</td></tr>"
             for t in terminals
         )
-        parts += ["<h2>Power bonds</h2>", "<p>The product of the two variables is the power into the model.</p>"]
-        parts += ["<table><tr><th>name</th><th>domain</th><th>variables</th></tr>", *rows, "</table>"]
+        parts += ["<h2>Power bonds</h2>", "<p>The product of the two variables is power.</p>"]
+        heads = "".join(f"<th>{head}</th>" for head in ("name", "domain", "variables", "positive power"))
+        parts += [f"<table><tr>{heads}</tr>", *rows, "</table>"]
     parts += _table("Parameters", dae.parameters, start="default")
     parts += _table("Solver", SETTINGS, start="default")
     parts += _table("States", dae.states, start="start")
@@ -103,7 +108,7 @@ def _marks(count: int) -> list[float]:
 
 def _ports(dae: Dae, terminals: Sequence[Terminal]) -> list[tuple[float, float, str]]:
     """Position and colour of each port: signals in on the left, signals out on the right, power bonds below."""
-    bonded = {name for t in terminals for name in (t.across_variable, t.through_variable)}
+    bonded = {name for t in terminals for name in (t.bond.across, t.bond.through)}
     given = [v for v in dae.inputs if v.name not in bonded]
     found = [v for v in dae.outputs if v.name not in bonded]
     ports = [(6.0, y, _SIGNAL) for y in _marks(len(given))]

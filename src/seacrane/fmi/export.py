@@ -12,7 +12,7 @@ from typing import Final, Literal, Protocol
 
 from seacrane.errors import FmuError, Problem, nearest
 from seacrane.fmi import writing2, writing3
-from seacrane.fmi.documentation import icon_png, icon_svg, page
+from seacrane.fmi.documentation import DRAWING, icon_png, icon_svg, page
 from seacrane.fmi.platforms import binary_path
 from seacrane.fmi.terminals import power_terminals
 from seacrane.fmi.writing import model_identifier
@@ -51,7 +51,7 @@ def export(
     """Writes the model as an FMU that contains its solver, and returns the path.
 
     Inputs, outputs, parameters, states, algebraic unknowns and observables keep their names. The FMU runs for
-    co-simulation and for model exchange; it has documentation, an icon and, in FMI 3.0, a terminal for each power bond.
+    co-simulation and for model exchange; it has documentation, an icon and a terminal for each power bond.
     With `sources` its C is inside as well; without, nothing of the equations can be read. The file appears complete or
     not at all, and the same model gives the same bytes.
 
@@ -124,19 +124,19 @@ def contents(model: Generated, identifier: str, version: str, sources: bool, dra
     units = sorted(name for name in code if name.endswith(".c"))
     if version == "2.0":
         texts = {"modelDescription.xml": writing2.describe(model, identifier, units)}
-        icon = "model.png"
     else:
         texts = {"modelDescription.xml": writing3.describe(model, identifier)}
-        texts["terminalsAndIcons/terminalsAndIcons.xml"] = writing3.terminals_and_icons(terminals)
-        texts["terminalsAndIcons/icon.svg"] = icon_svg(dae, terminals)
         if sources:
             texts["sources/buildDescription.xml"] = writing3.build_description(identifier, units)
-        icon = "terminalsAndIcons/icon.png"
+    texts["terminalsAndIcons/terminalsAndIcons.xml"] = writing3.terminals_and_icons(terminals)
+    texts["terminalsAndIcons/icon.svg"] = icon_svg(dae, terminals)
     texts["documentation/index.html"] = page(dae, terminals, drawing is not None)
     if drawing is not None:
-        texts["documentation/diagram.svg"] = drawing
+        texts[f"documentation/{DRAWING}"] = drawing
     texts |= {f"sources/{name}": code[name] for name in sorted(code)}
-    return {name: text.encode() for name, text in texts.items()} | {icon: icon_png(dae, terminals)}
+    icon = icon_png(dae, terminals)
+    icons = {"terminalsAndIcons/icon.png": icon} | ({"model.png": icon} if version == "2.0" else {})
+    return {name: text.encode() for name, text in texts.items()} | icons
 
 
 def _write(target: Path, files: Mapping[str, bytes]) -> Path:

@@ -21,14 +21,14 @@ TERMINALS: Final = "terminalsAndIcons/terminalsAndIcons.xml"
 
 
 def read_archive(archive: zipfile.ZipFile) -> ModelDescription:
-    """The model description in an FMU, with what else it holds: terminals in FMI 3.0, binaries, sources.
+    """The model description in an FMU, with what else it holds: terminals, binaries, sources.
 
     Raises `FmuError` with all problems.
     """
     names = archive.namelist()
     description = read_description(parse_xml(description_text(archive)))
     description = replace(description, platforms=tuple(platforms(names)), has_sources=has_sources(names))
-    if description.fmi_version == "2.0" or TERMINALS not in names:
+    if TERMINALS not in names:
         return description
     return replace(description, terminals=read_terminals(parse_xml(text_of(archive, TERMINALS)), description))
 

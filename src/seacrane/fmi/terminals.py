@@ -1,54 +1,32 @@
-"""The power bonds of a model: pairs of an input and an output whose product is power."""
+"""The power bonds of a model as terminals: what belongs together is found together by whoever connects the FMU."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
-from seacrane.model.dae import Dae
+from seacrane.model.dae import Dae, PowerBond
 
 _DOMAINS: Final = {
     ("Pa", "m3/s"): ("hydraulic", "p", "q"),
     ("m/s", "N"): ("translational", "v", "F"),
     ("rad/s", "N.m"): ("rotational", "w", "T"),
 }
-"""Domain, across and through variable by the units of an across and a through variable."""
+"""Domain, and what its across and through variable are called, by their units."""
 
 
 @dataclass(frozen=True)
 class Terminal:
-    """A power bond: one of its variables is an input of the model, the other an output."""
+    """A power bond with its domain, and the names of its two variables in every terminal of that domain."""
 
-    name: str
+    bond: PowerBond
     domain: str
     across: str
     through: str
-    across_variable: str
-    through_variable: str
 
 
 def power_terminals(dae: Dae) -> tuple[Terminal, ...]:
-    """The terminals of a model in the order of their inputs.
-
-    A bond is an input and an output under one name, `rod.v` and `rod.F`, in units that make power; a name with several
-    such pairs is none.
-    """
-    found: dict[str, list[Terminal]] = {}
-    for terminal in _pairs(dae):
-        found.setdefault(terminal.name, []).append(terminal)
-    return tuple(same[0] for same in found.values() if len(same) == 1)
-
-
-def _pairs(dae: Dae) -> Iterator[Terminal]:
-    for given in dae.inputs:
-        stem = given.name.rpartition(".")[0]
-        if not stem:
-            continue
-        for found in dae.outputs:
-            if found.name.rpartition(".")[0] != stem:
-                continue
-            for across, through in ((given, found), (found, given)):
-                if (across.unit, through.unit) in _DOMAINS:
-                    names = _DOMAINS[across.unit, through.unit]
-                    yield Terminal(stem, *names, across.name, through.name)
+    """The terminals of a model: one for each of its power bonds in a domain that has a name."""
+    units = {v.name: v.unit for v in dae.inputs + dae.outputs}
+    domains = ((b, _DOMAINS.get((units[b.across], units[b.through]))) for b in dae.bonds)
+    return tuple(Terminal(bond, *domain) for bond, domain in domains if domain is not None)

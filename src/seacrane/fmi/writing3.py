@@ -19,6 +19,7 @@ from seacrane.fmi.writing import (
     units,
 )
 from seacrane.model.codegen import Entry, Generated
+from seacrane.model.dae import PowerBond
 from seacrane.model.dependencies import TIME, dependencies
 
 SIDE: Final = 100.0
@@ -108,7 +109,10 @@ def build_description(identifier: str, sources: Sequence[str]) -> str:
 
 
 def terminals_and_icons(terminals: Sequence[Terminal]) -> str:
-    """The text of terminalsAndIcons.xml: one terminal for each power bond, and where the icon lies."""
+    """The text of terminalsAndIcons.xml: one terminal for each power bond, and where the icon lies.
+
+    FMI 3.0 defines the file, and lets FMUs of earlier versions have it with its own version in it.
+    """
     corners = f'x1="{-SIDE}" y1="{-SIDE}" x2="{SIDE}" y2="{SIDE}"'
     lines = [
         HEAD,
@@ -122,18 +126,22 @@ def terminals_and_icons(terminals: Sequence[Terminal]) -> str:
         lines.append("  <Terminals>")
         for terminal in terminals:
             head = {
-                "name": terminal.name,
+                "name": terminal.bond.name,
                 "matchingRule": "plug",
-                "terminalKind": f"seacrane.power.{terminal.domain}",
-                "description": f"{terminal.domain} power, positive into the model",
+                "terminalKind": f"_seacrane.power.{terminal.domain}",
+                "description": f"{terminal.domain} power, positive {_way(terminal.bond)} the model",
             }
             lines.append(f"    <Terminal{attributes(head)}>")
             for member, variable, kind in (
-                (terminal.across, terminal.across_variable, "signal"),
-                (terminal.through, terminal.through_variable, "inflow"),
+                (terminal.across, terminal.bond.across, "signal"),
+                (terminal.through, terminal.bond.through, "inflow" if terminal.bond.inward else "outflow"),
             ):
                 values = {"variableName": variable, "memberName": member, "variableKind": kind}
                 lines.append(f"      <TerminalMemberVariable{attributes(values)}/>")
             lines.append("    </Terminal>")
         lines.append("  </Terminals>")
     return "\n".join([*lines, "</fmiTerminalsAndIcons>"]) + "\n"
+
+
+def _way(bond: PowerBond) -> str:
+    return "into" if bond.inward else "out of"

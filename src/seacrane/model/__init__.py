@@ -8,7 +8,7 @@ dae = diagram.compile()
 from .classical import BDF, LSODA, Adams, Radau
 from .compare import Comparison, compare
 from .component import REGISTRY, Component, initial, option, parameter, shared
-from .dae import Dae, Variable
+from .dae import Dae, PowerBond, Variable
 from .diagram import Diagram, Part, PortHandle
 from .files import check, load, save
 from .linear import Linearised, Mode, linearise
@@ -42,6 +42,7 @@ __all__ = [
     "NativeModel",
     "Part",
     "PortHandle",
+    "PowerBond",
     "Radau",
     "Rotational",
     "Run",

@@ -253,4 +253,5 @@ def _assemble(diagram: Diagram, flat: Flat, reduced: Reduced, solution: _Solutio
         obs=obs,
         sources=tuple(flat.sources),
         divisors=tuple(divisors),
+        bonds=tuple(flat.bonds),
     )

@@ -28,6 +28,7 @@ from typing import Any, ClassVar, Final, get_type_hints
 from seacrane.errors import ParameterError, Problem, nearest
 from seacrane.units import UNITS, Quantity, quantity_of
 
+from .dae import PowerBond
 from .ports import Port
 from .structure import BondGraph, Symbol
 
@@ -131,6 +132,7 @@ class Component:
     declarations: ClassVar[dict[str, tuple[Declaration, Quantity | None]]] = {}
     sources: ClassVar[tuple[str, ...]] = ()
     bond_graph: ClassVar[BondGraph | None] = None
+    partner: ClassVar[PowerBond | None] = None
     icon: ClassVar[Symbol | None] = None
 
     def __init_subclass__(cls, level: str | None = None, **kwargs: Any) -> None:

@@ -55,6 +55,19 @@ class Divisor:
 
 
 @dataclass(frozen=True)
+class PowerBond:
+    """An across variable (pressure, speed) and a through variable (flow, force) whose product is power.
+
+    One of them is an input, the other an output. `inward`: positive power goes into the model rather than out of it.
+    """
+
+    name: str
+    across: str
+    through: str
+    inward: bool = True
+
+
+@dataclass(frozen=True)
 class Dae:
     """A model as equations: variables, their CasADi symbols (column vectors in the same order) and expressions."""
 
@@ -77,6 +90,7 @@ class Dae:
     about: str = ""
     sources: tuple[str, ...] = field(default=())
     divisors: tuple[Divisor, ...] = field(default=())
+    bonds: tuple[PowerBond, ...] = field(default=())
 
     def __post_init__(self) -> None:
         problems = []
@@ -96,6 +110,12 @@ class Dae:
         names = [v.name for v in self.variables]
         problems += [Problem(n, "is the name of two variables") for n in sorted(set(names)) if names.count(n) > 1]
         problems += [Problem(v.name, f"unknown unit {v.unit!r}") for v in self.variables if v.unit not in UNITS]
+        given, found = ({v.name for v in group} for group in (self.inputs, self.outputs))
+        problems += [
+            Problem(f"{self.name}.{b.name}", f"a power bond is an input and an output, not {b.across} and {b.through}")
+            for b in self.bonds
+            if any(len({b.across, b.through} & group) != 1 for group in (given, found))
+        ]
         if problems:
             raise StructureError(problems)
 

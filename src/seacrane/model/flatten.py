@@ -7,6 +7,7 @@ zero (two ports: the second is minus the first; more: an equation).
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -17,7 +18,7 @@ from seacrane.errors import Problem, StructureError, nearest
 from seacrane.units import UNITS, display
 
 from .component import REGISTRY, check_value, shared_default, symbolic_twin
-from .dae import Variable
+from .dae import PowerBond, Variable
 from .diagram import Diagram
 from .net import Net, Node, net
 from .ports import PowerPort, SignalIn, SignalOut
@@ -57,6 +58,7 @@ class Flat:
         self.observables: dict[str, tuple[Variable, Any]] = {}
         self.equations: list[Equation] = []
         self.sources: list[str] = []
+        self.bonds: list[PowerBond] = []
 
     def unknown(self, variable: Variable, state: str | None = None) -> Any:
         symbol = ca.SX.sym(variable.name)
@@ -181,7 +183,23 @@ def flatten(diagram: Diagram) -> Flat:
         for left, right in twin.equations(equations):
             flat.equations.append(Equation(left - right, path))
         flat.sources += [s for s in component.sources if s not in flat.sources]
+    flat.bonds += (b for b in _partners(whole) if (b.across in flat.inputs) != (b.through in flat.inputs))
     return flat
+
+
+def _partners(whole: Net) -> Iterator[PowerBond]:
+    """The bonds of components that exchange power by signals, both of which the diagram exposes.
+
+    Such a bond is called what its names begin with, "rod" for rod_velocity and rod_force, or else like the component.
+    """
+    names = {end.path: node.exposed[0] for node in whole.nodes if node.exposed for end in node.ends}
+    for path, component in whole.components.items():
+        bond = component.partner
+        if bond is None or not all(f"{path}.{key}" in names for key in (bond.across, bond.through)):
+            continue
+        across, through = (names[f"{path}.{key}"] for key in (bond.across, bond.through))
+        stem, other = (re.sub(r"[._]?[^._]+$", "", name) for name in (across, through))
+        yield PowerBond(stem if stem == other and stem else path, across, through, bond.inward)
 
 
 def _loose_ends(whole: Net) -> Iterator[Problem]:
@@ -239,6 +257,7 @@ def _power_node(flat: Flat, node: Node, across: dict[str, Any], through: dict[st
     if outside:
         name = f"{outside[0]}.{port.through}"
         flat.outputs[name] = (Variable(name, port.through_unit, about=f"into {ends[0].path}"), total)
+        flat.bonds.append(PowerBond(outside[0], f"{outside[0]}.{port.across}", name))
     elif len(ends) > 2:
         flat.equations.append(Equation(total, "node of " + ", ".join(e.path for e in ends)))
 

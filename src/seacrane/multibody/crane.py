@@ -24,7 +24,7 @@ from typing import Any
 import casadi as ca
 
 from seacrane.design import Crane, geometry
-from seacrane.model.dae import Dae, Variable, column
+from seacrane.model.dae import Dae, PowerBond, Variable, column
 from seacrane.multibody import interface
 from seacrane.multibody.chain import BaseMotion, forward_dynamics, frames, kinetic_energy, mass_moment
 from seacrane.multibody.cylinder import attachment_point, distance, lengths
@@ -81,6 +81,7 @@ def crane_mechanics(
         obs=obs,
         about=f"mechanics of {crane.name}: {len(crane.links)} links, cylinders, rope, drum and load on a moving foot",
         sources=("R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008",),
+        bonds=_bonds(crane),
     )
 
 
@@ -238,6 +239,20 @@ def _outputs(crane: Crane, s: Mapping[str, Any], m: _Motion) -> list[tuple[Varia
     work = sum(s[f"counter.{name}"] for name in counters if name.startswith("work_"))
     give("energy.closure", "J", stored - work, "energy unaccounted for: constant on an exact solution")
     return out
+
+
+def _bonds(crane: Crane) -> tuple[PowerBond, ...]:
+    """Where power goes in from cylinders and drives, and out to the ship."""
+    return (
+        *(PowerBond(c.name, f"{c.name}.velocity", f"{c.name}.force") for c in crane.cylinders),
+        *(
+            PowerBond(link.joint.name, f"{link.joint.name}_rate", interface.drive_name(link))
+            for link in interface.driven_links(crane)
+        ),
+        PowerBond("drum", "drum.speed", "drum.torque"),
+        *(PowerBond(f"foot_{axis}", f"base.v{axis}", f"wrench.f{axis}", inward=False) for axis in AXES),
+        *(PowerBond(f"foot_r{axis}", f"base.w{axis}", f"wrench.m{axis}", inward=False) for axis in AXES),
+    )
 
 
 def _observables(crane: Crane, s: Mapping[str, Any], m: _Motion) -> list[tuple[Variable, Any]]:

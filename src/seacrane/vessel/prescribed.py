@@ -23,7 +23,7 @@ import casadi as ca
 
 from seacrane import ocean
 from seacrane.errors import ParameterError, Problem
-from seacrane.model.dae import Dae, Variable, column
+from seacrane.model.dae import Dae, PowerBond, Variable, column
 from seacrane.units import GRAVITY, deg
 
 Point = tuple[float, float, float]
@@ -51,6 +51,12 @@ INPUTS: Final = (
     *(Variable(f"wrench.f{a}", "N", nominal=1e6, about="force of the crane on the ship, ship axes") for a in "xyz"),
     *(Variable(f"wrench.m{a}", "N.m", nominal=1e7, about="moment of the crane about its foot") for a in "xyz"),
 )
+
+BONDS: Final = (
+    *(PowerBond(f"foot_{a}", f"foot.v{a}", f"wrench.f{a}") for a in "xyz"),
+    *(PowerBond(f"foot_r{a}", f"foot.w{a}", f"wrench.m{a}") for a in "xyz"),
+)
+"""What the crane does to the ship: power into it."""
 
 _OBSERVABLES: Final = tuple(Variable(name, "rad", about=f"{name} angle") for name in ("roll", "pitch", "yaw"))
 
@@ -263,6 +269,7 @@ def _ship(
         obs=column(angles),
         about=about,
         sources=("T. I. Fossen, Handbook of Marine Craft Hydrodynamics and Motion Control (2011), section 2.2",),
+        bonds=BONDS,
     )
 
 

@@ -13,6 +13,7 @@ from seacrane import fmi
 from seacrane.errors import FmuError
 from seacrane.fmi.export import Version
 from seacrane.library.hydraulics import DoubleActingCylinder
+from seacrane.library.mechanics import ForceInput, Mass, MotionInput, SpringDamper
 from seacrane.model import Diagram
 from seacrane.model.dae import Dae
 from seacrane.model.native import build
@@ -135,6 +136,32 @@ def test_a_version_that_does_not_exist_is_refused(cylinder: Dae, tmp_path: Path)
         fmi.export(cylinder, tmp_path / "x.fmu", version="1.0")  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+def test_signals_that_trade_power_with_a_partner_are_a_terminal_that_says_which_way(
+    tmp_path: Path, version: Version
+) -> None:
+    diagram = Diagram("push")
+    mass = diagram.add("mass", Mass(mass=100.0, level="horizontal"))
+    held, moved = diagram.add("held", ForceInput()), diagram.add("moved", MotionInput())
+    damper = diagram.add("damper", SpringDamper(damping=1e3, level="damper"))
+    diagram.connect(held.flange, mass.flange, damper.a)
+    diagram.connect(damper.b, moved.flange)
+    diagram.expose(load_force=held.F, load_speed=held.v, speed=moved.v, push=moved.F, x=moved.x)
+    path = fmi.export(diagram, tmp_path / "push.fmu", version=version)
+    assert validate_fmu(str(path)) == [] == fmi.check(path)
+    load, partner = fmi.read(path).terminals
+    assert (load.name, load.members) == ("load", {"v": "load_speed", "F": "load_force"})
+    assert (partner.name, partner.members) == ("moved", {"v": "speed", "F": "push"})
+    with zipfile.ZipFile(path) as archive:
+        root = ElementTree.fromstring(archive.read("terminalsAndIcons/terminalsAndIcons.xml"))
+        page = archive.read("documentation/index.html").decode()
+    assert [m.get("variableKind") for m in root.iter("TerminalMemberVariable")] == [
+        "signal", "inflow", "signal", "outflow",
+    ]  # fmt: skip
+    assert "<td>into the model</td>" in page
+    assert "<td>out of the model</td>" in page
+
+
 def test_an_exposed_power_port_is_a_terminal_and_the_page_says_what_is_what(tmp_path: Path) -> None:
     diagram = Diagram("lift")
     cylinder = diagram.add("cylinder", DoubleActingCylinder(bore=0.28, rod=0.2, stroke=2.0))
@@ -146,7 +173,7 @@ def test_an_exposed_power_port_is_a_terminal_and_the_page_says_what_is_what(tmp_
         page = archive.read("documentation/index.html").decode()
         icon = archive.read("terminalsAndIcons/icon.png")
         ElementTree.fromstring(archive.read("terminalsAndIcons/icon.svg"))
-        ElementTree.fromstring(archive.read("documentation/diagram.svg"))
+        ElementTree.fromstring(archive.read("documentation/drawing.svg"))
     members = {
         t.get("name"): [(m.get("memberName"), m.get("variableName"), m.get("variableKind")) for m in t]
         for t in root.iter("Terminal")

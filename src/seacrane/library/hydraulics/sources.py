@@ -7,7 +7,7 @@ from typing import Any
 
 from seacrane.library import symbols
 from seacrane.library.references import DISSERTATION, KARNOPP
-from seacrane.model import BondGraph, Component, Hydraulic, SignalIn, SignalOut, parameter
+from seacrane.model import BondGraph, Component, Hydraulic, PowerBond, SignalIn, SignalOut, parameter
 from seacrane.units import Pressure
 
 _BOUNDARY = (f"{KARNOPP}, chapter 3 (ideal sources)",)
@@ -44,6 +44,7 @@ class PressureInput(Component):
 
     ports = {"set": SignalIn("Pa", "pressure"), "p": Hydraulic("outlet"), "q": SignalOut("m3/s", "flow delivered")}
     bond_graph = BondGraph("source: MSe", "source ->| p")
+    partner = PowerBond("partner", "set", "q")
     icon = symbols.PRESSURE_SOURCE
     sources = _BOUNDARY
 

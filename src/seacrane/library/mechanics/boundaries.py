@@ -7,7 +7,17 @@ from typing import Any
 
 from seacrane.library import symbols
 from seacrane.library.references import DISSERTATION
-from seacrane.model import BondGraph, Component, Rotational, SignalIn, SignalOut, Translational, initial, parameter
+from seacrane.model import (
+    BondGraph,
+    Component,
+    PowerBond,
+    Rotational,
+    SignalIn,
+    SignalOut,
+    Translational,
+    initial,
+    parameter,
+)
 from seacrane.units import Frequency, Length
 
 _SOURCES = (f"{DISSERTATION} (drives in co-simulation)",)
@@ -38,6 +48,7 @@ class MotionInput(Component):
         "work": SignalOut("J", "work done on the partner"),
     }
     bond_graph = BondGraph("partner: MSf", "partner |-> flange")
+    partner = PowerBond("partner", "v", "F", inward=False)
     icon = symbols.MOTION_INPUT
     sources = _SOURCES
 
@@ -65,6 +76,7 @@ class SpeedInput(Component):
         "work": SignalOut("J", "work done on the partner"),
     }
     bond_graph = BondGraph("partner: MSf", "partner |-> flange")
+    partner = PowerBond("partner", "w", "T", inward=False)
     icon = symbols.SPEED_INPUT
     sources = _SOURCES
 
@@ -92,6 +104,7 @@ class ForceInput(Component):
         "work": SignalOut("J", "work done on the partner"),
     }
     bond_graph = BondGraph("partner: MSe", "partner ->| flange")
+    partner = PowerBond("partner", "v", "F")
     icon = symbols.FORCE_INPUT
     sources = _SOURCES
 
@@ -117,6 +130,7 @@ class TorqueInput(Component):
         "work": SignalOut("J", "work done on the partner"),
     }
     bond_graph = BondGraph("partner: MSe", "partner ->| flange")
+    partner = PowerBond("partner", "w", "T")
     icon = symbols.TORQUE_INPUT
     sources = _SOURCES
 

@@ -11,28 +11,38 @@ To extend it, implement `Slave` and `Instance` (what is stepped), `Algorithm` (w
 watches).
 """
 
+from seacrane.cosim.actions import Action, Freeze, Offset, Override, Ramp, Release, Scale, Set, Stop
 from seacrane.cosim.algorithms import Algorithm, GaussSeidel, Jacobi, Schedule
 from seacrane.cosim.bonds import BondReport
-from seacrane.cosim.execution import Execution, State, Usage
+from seacrane.cosim.execution import Execution, Usage
 from seacrane.cosim.fmu import FmuSlave
 from seacrane.cosim.function import FunctionSlave
 from seacrane.cosim.model import ModelSlave
 from seacrane.cosim.observers import CsvRecorder, MemoryRecorder, Observer
 from seacrane.cosim.pacing import Pace, RealTime
+from seacrane.cosim.saved import State
+from seacrane.cosim.scenario import Event, Scenario
 from seacrane.cosim.slave import Instance, Interface, NativeCalls, Slave
 from seacrane.cosim.structure import Bond, Connection, Connector, Experiment, Transformation
 from seacrane.cosim.system import System
+from seacrane.cosim.triggers import Above, Below, Condition
 
 __all__ = [
+    "Above",
+    "Action",
     "Algorithm",
+    "Below",
     "Bond",
     "BondReport",
+    "Condition",
     "Connection",
     "Connector",
     "CsvRecorder",
+    "Event",
     "Execution",
     "Experiment",
     "FmuSlave",
+    "Freeze",
     "FunctionSlave",
     "GaussSeidel",
     "Instance",
@@ -42,11 +52,19 @@ __all__ = [
     "ModelSlave",
     "NativeCalls",
     "Observer",
+    "Offset",
+    "Override",
     "Pace",
+    "Ramp",
     "RealTime",
+    "Release",
+    "Scale",
+    "Scenario",
     "Schedule",
+    "Set",
     "Slave",
     "State",
+    "Stop",
     "System",
     "Transformation",
     "Usage",

@@ -6,22 +6,27 @@ import time as wall
 import weakref
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Literal, Self
 
 import numpy as np
 
+from seacrane.cosim import saved
+from seacrane.cosim.actions import Action, Manipulator, Names, Set, check_action
 from seacrane.cosim.algorithms import NANOSECONDS, Algorithm, nanoseconds
 from seacrane.cosim.bonds import ACCOUNT, SIGNALS, BondReport
 from seacrane.cosim.loops import DONE, FAULT, Fault, Loop, NativeLoop, PythonLoop, append
 from seacrane.cosim.observers import CsvRecorder, MemoryRecorder, Observer
-from seacrane.cosim.plan import Plan, Rows
-from seacrane.cosim.slave import Vector, check_values
+from seacrane.cosim.plan import CHANGE, TRIGGER, Plan, Rows
+from seacrane.cosim.saved import State
+from seacrane.cosim.scenario import Scenario, Timed
+from seacrane.cosim.slave import Vector
 from seacrane.cosim.startup import settle
 from seacrane.cosim.system import System
-from seacrane.errors import CompileError, CosimError, Problem, SeacraneError, nearest
+from seacrane.cosim.triggers import Condition, Trigger, Triggers, check_conditions
+from seacrane.errors import CompileError, CosimError, ParameterError, Problem, SeacraneError, nearest
 from seacrane.model.dae import Variable
 from seacrane.results import Recording
 
@@ -33,15 +38,6 @@ FLUSH_S = 0.15
 
 BATCH_S = 0.03
 """Wall time [s] of one call of the loop: below it, an interrupt from the keyboard is answered at once."""
-
-
-@dataclass(frozen=True)
-class State:
-    """The whole state of a run at a communication point, as `Execution.save` gives it."""
-
-    done: int
-    values: bytes
-    slaves: Mapping[str, bytes]
 
 
 @dataclass(frozen=True)
@@ -84,7 +80,9 @@ class Execution:
         self._causality = system.causalities
         self._places = {name: system.split(name) for name, c in self._causality.items() if c != "bond"}
         self._sources = {c.target: c.source for c in system.connections}
-        self._bonds = tuple(system.bonds)
+        self._free = {n for n, c in self._causality.items() if c == "input" and n not in self._sources}
+        self._names = Names(self._variables, self._causality, self._sources, tuple(system.slaves))
+        self._system, self._algorithm = system, algorithm
         schedule = algorithm.schedule(tuple(system.slaves))
         self._resources = ExitStack()
         self._finalizer = weakref.finalize(self, self._resources.close)
@@ -98,6 +96,12 @@ class Execution:
         except BaseException:
             self._finalizer()
             raise
+        self._manipulator = Manipulator(self._plan, self._free)
+        self._triggers = Triggers(self._plan)
+        self._scenario: Scenario | None = None
+        self._events: tuple[Timed, ...] = ()
+        self._next_event = 0
+        self._paused = False
         self._recorders: list[_Recorder] = []
         self._inputs_set: dict[str, float] = {}
         self._started = False
@@ -178,23 +182,93 @@ class Execution:
     # ------------------------------------------------------------ setting
     def set(self, name: str, value: float) -> None:
         """Set an input that nothing drives, or a parameter, in its unit, from the next macro step on."""
-        causality = self._require(name)
-        slave, variable = self._places.get(name, (name, ""))
-        if causality == "input":
-            if name in self._sources:
-                raise CosimError.at(name, f"is driven by {self._sources[name]!r} and cannot be set")
-            check_values({variable: value}, [_renamed(self._variables[name], variable)], slave, "input")
+        problems = check_action(Set(name, value), self._names)
+        if problems:
+            settable = name in self._free or self._causality.get(name) == "parameter"
+            raise (ParameterError if settable else CosimError)(problems)
+        slave, variable = self._places[name]
+        if name in self._free:
             self._inputs_set[name] = value
-            self._plan.values[self._plan.index[name]] = value
-        elif causality == "parameter":
-            check_values({variable: value}, [_renamed(self._variables[name], variable)], slave)
+            self._manipulator.set(name, value)
+        else:
             part = next(part for part in self._plan.parts if part.name == slave)
             part.instance.set({variable: value})
-        else:
-            article = "an" if causality == "output" else "a"
-            raise CosimError.at(
-                name, f"is {article} {causality} variable and cannot be set", allowed="inputs, parameters"
-            )
+
+    def apply(self, action: Action) -> None:
+        """Carry out an action (`Set`, `Override`, `Ramp`, `Freeze`, `Offset`, `Scale`, `Release`, `Stop`) now.
+
+        `CosimError` if the system has no such variable, or one that this cannot be done to.
+        """
+        if isinstance(action, Set):
+            self.set(action.variable, action.to)
+            return
+        self._require_started()
+        problems = check_action(action, self._names)
+        if problems:
+            raise CosimError(problems)
+        self._manipulator.apply(action)
+        self._loop.refresh()
+
+    @property
+    def manipulated(self) -> dict[str, float]:
+        """The manipulated variables, each with its true value: that which its slave or connection gives."""
+        return self._manipulator.manipulated
+
+    @property
+    def stopped(self) -> tuple[str, ...]:
+        """The slaves that were stopped."""
+        return self._manipulator.stopped
+
+    # ------------------------------------------------------------ triggers and scenarios
+    def when(self, *conditions: Condition, call: Callable[[Execution], None] | Action, once: bool = True) -> None:
+        """Do something at the first communication point at which all conditions (`Above`, `Below`) hold.
+
+        `call` is an action, or a function of the run; it comes after the row of that point was recorded. It may set,
+        apply, read and save. Unless `once`, it is called again each time the conditions come to hold after they
+        did not.
+        """
+        problems = check_conditions(conditions, self._names)
+        if not callable(call):
+            problems += check_action(call, self._names)
+        if problems:
+            raise CosimError(problems)
+        whole = weakref.ref(self)
+
+        def done() -> None:
+            run = whole()
+            assert run is not None
+            if callable(call):
+                call(run)
+            else:
+                run.apply(call)
+
+        indices, watches = self._resolve([c.variable for c in conditions])
+        self._triggers.add(Trigger(conditions, done, once), indices.tolist(), watches)
+        self._loop.refresh()
+        if self._started:
+            self._look()
+
+    def follow(self, scenario: Scenario) -> None:
+        """Carry out the events of a scenario, each at the first communication point at which it is due.
+
+        An event takes effect after the row of that point was recorded. `CosimError` with all events that do not fit
+        the system, or lie before the present.
+        """
+        if self._scenario is not None:
+            raise CosimError.at(scenario.name, "cannot be followed: the run follows a scenario already")
+        problems = scenario.check(self._names)
+        timed = scenario.timed()
+        problems += [
+            Problem(f"events[{event.index}]", f"is due before the present time {self.time:g} s", event.at_ns / 1e9)
+            for event in timed
+            if event.at_ns < self._plan.time_ns
+        ]
+        if problems:
+            raise CosimError(Problem(f"{scenario.name}: {p.path}", *astuple(p)[1:]) for p in problems)
+        self._scenario, self._events = scenario, timed
+        for event in scenario.events:
+            if not isinstance(event.at, float):
+                self.when(*event.at, call=event.action)
 
     # ------------------------------------------------------------ observing
     def record(
@@ -258,14 +332,23 @@ class Execution:
         self._started = True
         for recorder in self._recorders:
             self._first_row(recorder)
+        self._look()
         return self
 
+    def pause(self) -> None:
+        """Let `step`, `advance` or `run` return after the macro step in which it is; they may be called again.
+
+        For triggers, progress functions and other threads.
+        """
+        self._paused = True
+        self._plan.stop[0] = 1
+
     def step(self, steps: int = 1) -> None:
-        """Do so many macro steps."""
+        """Do so many macro steps; fewer if `pause` is called."""
         self.start()
         self._ready()
         target = self._plan.done + steps
-        while self._plan.done < target:
+        while self._plan.done < target and not self._pausing():
             self._run_batch(min(self._batch, target - self._plan.done))
 
     def advance(self, until: float) -> None:
@@ -276,14 +359,14 @@ class Execution:
         """Start if need be, advance to `until` [s], and give what the first recorder in memory holds.
 
         Without one, all outputs and bonds are recorded at each macro step from here on. `progress(time, until)` is
-        called some ten times a second.
+        called some ten times a second. The end comes earlier if `pause` is called.
         """
         recorder = next((r.observer for r in self._recorders if isinstance(r.observer, MemoryRecorder)), None)
         if recorder is None:
             recorder = self.record()
         self.start()
         told = wall.monotonic()
-        while (remaining := self.steps_to(until)) > 0:
+        while (remaining := self.steps_to(until)) > 0 and not self._pausing():
             self._ready()
             self._run_batch(min(self._batch, remaining))
             if progress is not None and (wall.monotonic() - told >= 0.1 or remaining <= self._batch):
@@ -304,24 +387,57 @@ class Execution:
                 problems += [Problem(part.name, f"cannot be saved: {p.message}") for p in error.problems]
         if problems:
             raise CosimError(problems)
-        return State(self._plan.done, self._plan.values.tobytes(), slaves)
+        plan = self._plan
+        return State(
+            plan.done,
+            plan.values.tobytes(),
+            slaves,
+            self._manipulator.stopped,
+            plan.changes.tobytes(),
+            plan.conditions.tobytes(),
+            plan.triggers.tobytes(),
+            self._next_event,
+        )
 
     def restore(self, state: State) -> None:
-        """Go back (or forth) to a state of this system; what memory recorders hold of later times is forgotten."""
+        """Go back (or forth) to a state of this system; what recorders hold of later times is forgotten.
+
+        The scenario and the triggers must be the same as when it was saved; what triggers have called is not undone.
+        """
         self._require_started()
-        if (
-            set(state.slaves) != {part.name for part in self._plan.parts}
-            or len(state.values) != self._plan.values.nbytes
-        ):
+        plan = self._plan
+        if set(state.slaves) != {part.name for part in plan.parts} or len(state.values) != plan.values.nbytes:
             raise CosimError.at("state", "is that of another system")
+        if state.conditions != plan.conditions.tobytes() or len(state.triggers) != plan.triggers.nbytes:
+            raise CosimError.at("state", "is that of a run with other triggers")
         self.flush()
-        for part in self._plan.parts:
+        for part in plan.parts:
             part.instance.restore(state.slaves[part.name])
-        self._plan.values[:] = np.frombuffer(state.values)
-        self._plan.done = state.done
+            part.stopped = part.name in state.stopped
+        plan.values[:] = np.frombuffer(state.values)
+        plan.done = state.done
+        plan.triggers[:] = np.frombuffer(state.triggers, TRIGGER)
+        plan.put_changes(np.frombuffer(state.changes, CHANGE))
+        plan.calls[:] = 0
+        self._next_event = state.events
+        self._loop.refresh()
         self._error = None
         for recorder in self._recorders:
             recorder.observer.forget_after(self.time)
+
+    def save_file(self, path: str | Path) -> None:
+        """Save the whole state to a file, from which a run in another process can go on: see `restore_file`."""
+        saved.write(path, self.save(), self.time, self._made_of())
+
+    def restore_file(self, path: str | Path) -> None:
+        """Go on from a file that `save_file` has written, also in another process; starts the run if need be.
+
+        The run goes on bit by bit as the saved one would have. `CosimError` with all that is different if it is not
+        made of the same slaves, connections, algorithm and scenario, or if the file is damaged or of another format.
+        """
+        state = saved.read(path, self._made_of())
+        self.start()
+        self.restore(state)
 
     def close(self) -> None:
         """Hand over what was recorded, close all observers and free all slaves."""
@@ -338,7 +454,10 @@ class Execution:
 
     # ------------------------------------------------------------ inside
     def _run_batch(self, steps: int) -> None:
-        plan, before = self._plan, self._plan.done
+        plan = self._plan
+        if (event := self._due()) is not None:
+            steps = min(steps, -(-(event - plan.time_ns) // plan.schedule.step_ns))
+        before = plan.done
         wall_before, cpu_before = wall.perf_counter(), wall.thread_time()
         result = self._loop.run(steps)
         elapsed = wall.perf_counter() - wall_before
@@ -353,6 +472,43 @@ class Execution:
             self.flush()
         if result == FAULT and self._loop.fault is not None:
             self._fail(self._loop.fault)
+        self._triggers.fire()
+
+    def _due(self) -> int | None:
+        """Carry out the events that are due; when the next one is [ns]."""
+        while self._next_event < len(self._events):
+            event = self._events[self._next_event]
+            if event.at_ns > self._plan.time_ns:
+                return event.at_ns
+            self._next_event += 1
+            self.apply(event.action)
+        return None
+
+    def _look(self) -> None:
+        """Do what triggers do that hold from the beginning."""
+        if self._plan.trigger_watches:
+            self._watch()
+        if self._plan.look():
+            self._triggers.fire()
+
+    def _pausing(self) -> bool:
+        """Whether `pause` was called; it is over with that."""
+        paused, self._paused = self._paused, False
+        if paused:
+            self._plan.stop[0] = 0
+        return paused
+
+    def _made_of(self) -> dict[str, str]:
+        """What a saved state must have in common with the run that goes on from it, as fingerprints."""
+        system = self._system
+        return {
+            **{f"slave {name!r}": slave.fingerprint for name, slave in system.slaves.items()},
+            "the connections": saved.fingerprint(system.connections, tuple(system.bonds.items())),
+            "the algorithm": saved.fingerprint(
+                type(self._algorithm).__name__, self._plan.schedule, self._plan.start_ns
+            ),
+            "the scenario": saved.fingerprint(self._scenario and self._scenario.events),
+        }
 
     def _fail(self, fault: Fault) -> None:
         part = self._plan.parts[fault.slave]
@@ -449,7 +605,3 @@ def _loop(plan: Plan, wanted: str) -> Loop:
         if wanted == "c":
             raise
         return PythonLoop(plan)
-
-
-def _renamed(variable: Variable, name: str) -> Variable:
-    return replace(variable, name=name)

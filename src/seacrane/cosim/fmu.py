@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Callable, Mapping
+from functools import cached_property
 from pathlib import Path
 
 from seacrane import fmi
@@ -84,6 +86,12 @@ class FmuSlave(Slave):
     @property
     def about(self) -> str:
         return self.description.description or f"FMU {self.path.name}"
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """Of the content of the file, the parameters and how it is run."""
+        content = hashlib.sha256(self.path.read_bytes()).hexdigest()
+        return f"{content} {sorted(self.parameters.items())} {self.kind} {self.tolerance}"
 
     def instantiate(self, name: str) -> Instance:
         """A new instance. The FMU is unpacked and loaded with the first and gone with the last that is open."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -39,9 +40,28 @@ class FunctionSlave(Slave):
     def interface(self) -> Interface:
         return Interface(tuple(self.inputs), tuple(self.outputs))
 
+    @property
+    def fingerprint(self) -> str:
+        """Of the function's name and compiled code, the variables and the start state.
+
+        What the function takes from outside (globals, closures, defaults) has no part in it.
+        """
+        function = self.function
+        name = f"{function.__module__}.{getattr(function, '__qualname__', type(function).__qualname__)}"
+        state = None if self.state is None else np.asarray(self.state, dtype=np.float64).ravel().tolist()
+        return repr((name, _code(getattr(function, "__code__", None)), self.interface, state))
+
     def instantiate(self, name: str) -> Instance:
         state = None if self.state is None else np.array(self.state, dtype=np.float64).ravel()
         return FunctionInstance(name, self.function, state)
+
+
+def _code(code: Any) -> str:
+    """The hash of a function's instructions, with those of the functions in it."""
+    if code is None:
+        return ""
+    constants = [_code(c) if hasattr(c, "co_code") else repr(c) for c in code.co_consts if not isinstance(c, frozenset)]
+    return hashlib.sha256(repr((code.co_code, code.co_names, constants)).encode()).hexdigest()
 
 
 class FunctionInstance(Instance):

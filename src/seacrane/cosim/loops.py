@@ -19,7 +19,7 @@ from seacrane.cosim.plan import BondIndices, Part, Plan, Rows, Transfer
 from seacrane.cosim.slave import Callback, GetFunction, SetFunction, StepFunction
 from seacrane.native import build_library, source
 
-DONE, ROWS_FULL, FAULT = range(3)
+DONE, ROWS_FULL, FAULT, STOPPED = range(4)
 STAGES = ("set", "step", "get", "finite", "watch")
 
 
@@ -44,7 +44,10 @@ class Loop(ABC):
 
     @abstractmethod
     def run(self, steps: int) -> int:
-        """Do `steps` macro steps or fewer: DONE, ROWS_FULL or FAULT; `plan.done` counts those done."""
+        """Do `steps` macro steps or fewer; `plan.done` counts those done.
+
+        The result is DONE, ROWS_FULL, FAULT, or STOPPED when a trigger has fired or `plan.stop` is set.
+        """
 
     @abstractmethod
     def watch(self) -> int:
@@ -62,6 +65,7 @@ class _Slave(ctypes.Structure):
         *((name, _Address) for name in ("inputs", "outputs", "watched")),
         *((name, _Int) for name in ("input_count", "output_count", "watched_count")),
         *((name, _Int) for name in ("first_connection", "connection_count")),
+        *((name, _Int) for name in ("first_change", "input_changes", "output_changes", "stopped")),
     ]
 
 
@@ -88,6 +92,9 @@ class _Plan(ctypes.Structure):
         *((n, _Int) for n in ("slave_count", "connection_count", "bond_count", "recorder_count")),
         *((n, _Int) for n in ("simultaneous", "start_ns", "step_ns")),
         *((n, _Address) for n in ("slaves", "connections", "bonds", "recorders", "values")),
+        *((n, _Address) for n in ("changes", "triggers", "conditions")),
+        *((n, _Int) for n in ("trigger_count", "trigger_watches")),
+        *((n, _Address) for n in ("calls", "stop")),
         *((n, _Int) for n in ("done", "fault_slave", "fault_stage", "fault_status", "fault_variable")),
     ]
 
@@ -138,6 +145,8 @@ class NativeLoop(Loop):
                     part.sources[i], part.targets[i], part.gains[i], part.biases[i], part.adds[i]
                 )
             first += part.sources.size
+            slave.first_change, slave.stopped = part.changes.start, part.stopped
+            slave.input_changes, slave.output_changes = part.input_changes, part.output_changes
         bonds = (_Bond * len(plan.bonds))(
             *(
                 _Bond(b.effort_out, b.flow_in, b.effort_in, b.flow_out, b.account, b.effort_side, b.flow_side)
@@ -157,9 +166,11 @@ class NativeLoop(Loop):
             len(slaves), len(connections), len(bonds), len(recorders),
             plan.schedule.simultaneous, plan.start_ns, plan.schedule.step_ns,
             *(ctypes.addressof(array) for array in (slaves, connections, bonds, recorders)), base,
+            *(array.ctypes.data for array in (plan.changes, plan.triggers, plan.conditions)),
+            plan.triggers.size, plan.trigger_watches, plan.calls.ctypes.data, plan.stop.ctypes.data,
         )  # fmt: skip
         # C keeps addresses only: everything they point at lives as long as this loop.
-        self._keep = (slaves, connections, bonds, callbacks, references)
+        self._keep = (slaves, connections, bonds, callbacks, references, plan.changes, plan.triggers, plan.conditions)
 
     def run(self, steps: int) -> int:
         native, plan = self._native, self._plan
@@ -223,18 +234,43 @@ class PythonLoop(Loop):
             for i, slave in enumerate(self._slaves):
                 if not simultaneous:
                     slave.incoming.transfer()
-                stage, status = slave.advance(t, h)
-                if stage is not None:
-                    return self._failed(Fault(i, stage, status, -1))
-                if not all(map(math.isfinite, slave.outputs.tolist())):
-                    return self._failed(Fault(i, "finite", 0, int(np.argmin(np.isfinite(slave.outputs)))))
+                fault = self._advance(i, slave, t, h)
+                if fault is not None:
+                    return self._failed(fault)
             for bond, (effort, flow) in zip(plan.bonds, before, strict=True):
                 balance(bond, values, effort, flow, h)
             plan.done += 1
             result = self._record((start_ns + plan.done * step_ns) / 1e9)
+            if result == DONE and plan.triggers.size:
+                result = self._look()
+            if result == DONE and plan.stop[0]:
+                result = STOPPED
             if result != DONE:
                 return result
         return DONE
+
+    def _advance(self, i: int, slave: _PythonSlave, t: float, h: float) -> Fault | None:
+        part, plan = slave.part, self._plan
+        if part.stopped:
+            return None
+        inputs = part.changes.start + part.input_changes
+        plan.manipulate(part.changes.start, inputs, t)
+        plan.calls[i] += 1
+        stage, status = slave.advance(t, h)
+        plan.calls[i] += 1
+        if stage is not None:
+            return Fault(i, stage, status, -1)
+        if not all(map(math.isfinite, slave.outputs.tolist())):
+            return Fault(i, "finite", 0, int(np.argmin(np.isfinite(slave.outputs))))
+        plan.manipulate(inputs, part.changes.stop, t + h)
+        return None
+
+    def _look(self) -> int:
+        if self._plan.trigger_watches:
+            result = self.watch()
+            if result != DONE:
+                return result
+        return STOPPED if self._plan.look() else DONE
 
     def watch(self) -> int:
         for i, slave in enumerate(self._slaves):

@@ -42,6 +42,10 @@ class ModelSlave(Slave):
     def about(self) -> str:
         return self.dae.about or f"compiled model {self.dae.name!r}"
 
+    @property
+    def fingerprint(self) -> str:
+        return f"{self.native.guid} {sorted(self.parameters.items())}"
+
     @cached_property
     def native(self) -> NativeModel:
         """The compiled model."""

@@ -20,6 +20,16 @@ from seacrane.cosim.system import System
 from seacrane.model.dae import Variable
 from seacrane.units import UNITS
 
+CHANGE = np.dtype(
+    [("target", "i8"), ("fixed", "i8"), ("gain", "f8"), ("bias", "f8"), ("slope", "f8"), ("end", "f8"), ("raw", "f8")]
+)
+"""A variable whose value is changed to gain * raw + bias, reached by a ramp of `slope` that ends at time `end` [s]."""
+
+TRIGGER = np.dtype([("first", "i8"), ("count", "i8"), ("held", "i8"), ("fired", "i8")])
+"""All of `count` conditions from `first` on; `fired` is set to 1 when they come to hold, unless it is set already."""
+
+CONDITION = np.dtype([("index", "i8"), ("above", "i8"), ("threshold", "f8")])
+
 
 @dataclass
 class Part:
@@ -38,6 +48,11 @@ class Part:
     adds: npt.NDArray[np.int64]
     """Of each connection, whether it adds to what an earlier one has brought to the same input."""
     watched: list[str] = field(default_factory=list)
+    changes: slice = field(default_factory=lambda: slice(0, 0))
+    """Into the changes of the plan: those of its inputs, then those of its outputs."""
+    input_changes: int = 0
+    output_changes: int = 0
+    stopped: bool = False
 
 
 class Transfer:
@@ -93,6 +108,11 @@ class Plan:
         self.done = 0
         self.watched_at = -1
         self.rows: list[Rows] = []
+        self.changes = np.zeros(0, CHANGE)
+        self.triggers, self.conditions = np.zeros(0, TRIGGER), np.zeros(0, CONDITION)
+        self.trigger_watches = False
+        self.calls = np.zeros(len(schedule.order), dtype=np.int64)
+        self.stop = np.zeros(1, dtype=np.int64)
         self.index: dict[str, int] = {}
         interfaces = {name: system.slaves[name].interface for name in schedule.order}
         places: dict[str, list[slice]] = {name: [] for name in schedule.order}
@@ -141,6 +161,49 @@ class Plan:
                 self.index[name] = part.room.start + len(part.watched)
                 part.watched.append(variable)
         return found
+
+    def put_changes(self, changes: npt.NDArray[np.void]) -> None:
+        """Put these in place of all changes of variables that there were; the loop must be refreshed."""
+        pieces, count = [], 0
+        for part in self.parts:
+            groups = [
+                changes[(changes["target"] >= place.start) & (changes["target"] < place.stop)]
+                for place in (part.inputs, part.outputs)
+            ]
+            part.input_changes, part.output_changes = (group.size for group in groups)
+            part.changes = slice(count, count + part.input_changes + part.output_changes)
+            count = part.changes.stop
+            pieces += groups
+        self.changes = np.concatenate(pieces)
+
+    def manipulate(self, first: int, end: int, t: float) -> None:
+        """Carry out changes on the values they are about, at time `t` [s]."""
+        for i in range(first, end):
+            c = self.changes[i]
+            if not c["fixed"]:
+                c["raw"] = self.values[c["target"]]
+            self.values[c["target"]] = self.changed(c, t)
+
+    @staticmethod
+    def changed(change: np.void, t: float) -> float:
+        """What a change makes of its raw value at time `t` [s]."""
+        value = float(change["gain"]) * float(change["raw"]) + float(change["bias"])
+        if t < change["end"]:
+            value -= float(change["slope"]) * (float(change["end"]) - t)
+        return value
+
+    def look(self) -> bool:
+        """See which triggers hold; whether one of them has come to hold."""
+        fired = False
+        for trigger in self.triggers:
+            holds = True
+            for c in self.conditions[trigger["first"] : trigger["first"] + trigger["count"]]:
+                value = self.values[c["index"]]
+                holds = holds and bool(value > c["threshold"] if c["above"] else value < c["threshold"])
+            if holds and not (trigger["held"] or trigger["fired"]):
+                trigger["fired"], fired = 1, True
+            trigger["held"] = holds
+        return fired
 
     def _part(
         self,

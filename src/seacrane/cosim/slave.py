@@ -82,6 +82,14 @@ class Slave(ABC):
         """One line that says what this is."""
         return type(self).__name__
 
+    @property
+    def fingerprint(self) -> str:
+        """A text that differs where slaves behave differently: a saved state goes on only in one with the same.
+
+        This one is of class and interface; a slave that is given more than that adds it.
+        """
+        return repr((type(self).__module__, type(self).__qualname__, self.interface))
+
 
 class Instance(ABC):
     """One running slave.

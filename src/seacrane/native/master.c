@@ -30,6 +30,8 @@ typedef struct {
     double *inputs, *outputs, *watched; /* slices of plan.values */
     int64_t input_count, output_count, watched_count;
     int64_t first_connection, connection_count; /* into this slave */
+    int64_t first_change, input_changes, output_changes; /* manipulations of its inputs, then of its outputs */
+    int64_t stopped;                                     /* 1: never stepped again, its outputs stay */
 } slave_t;
 
 typedef struct {
@@ -37,6 +39,24 @@ typedef struct {
     double gain, bias;
     int64_t adds; /* 1: adds to what an earlier connection has brought to the same input, in place of the bias */
 } connection_t;
+
+/* A variable that is not what its connection or its slave says, but gain * raw + bias, reached by a ramp of `slope`
+ * that ends at time `end`. */
+typedef struct {
+    int64_t target;
+    int64_t fixed; /* 1: nothing drives the variable, so `raw` is what it was set to */
+    double gain, bias, slope, end, raw;
+} change_t;
+
+/* All of `count` conditions from `first` on; `fired` is set to 1 when they come to hold, unless it is set already. */
+typedef struct {
+    int64_t first, count, held, fired;
+} trigger_t;
+
+typedef struct {
+    int64_t index, above; /* above: 1 for value > threshold, 0 for value < threshold */
+    double threshold;
+} condition_t;
 
 typedef struct {
     int64_t effort_out, flow_in; /* at the effort's side */
@@ -63,11 +83,17 @@ typedef struct {
     bond_t *bonds;
     recorder_t *recorders;
     double *values;
+    change_t *changes;
+    trigger_t *triggers;
+    const condition_t *conditions;
+    int64_t trigger_count, trigger_watches;
+    volatile int64_t *calls; /* of each slave: odd while it is at work, for a watchdog on another thread */
+    volatile int64_t *stop;  /* set from another thread: end after this macro step */
     int64_t done;                                     /* macro steps since the start */
     int64_t fault_slave, fault_stage, fault_status, fault_variable;
 } plan_t;
 
-enum { DONE, ROWS_FULL, FAULT };
+enum { DONE, ROWS_FULL, FAULT, STOPPED };
 enum { SET, STEP, GET, FINITE, WATCH };
 
 static int fault(plan_t *p, int64_t slave, int stage, int64_t status, int64_t variable) {
@@ -86,8 +112,22 @@ static void transfer(plan_t *p, int64_t first, int64_t count) {
     }
 }
 
+static void manipulate(plan_t *p, int64_t first, int64_t count, double t) {
+    change_t *c = p->changes + first;
+    for (const change_t *end = c + count; c < end; ++c) {
+        double *value = p->values + c->target;
+        if (!c->fixed) c->raw = *value;
+        const double scaled = c->gain * c->raw;
+        *value = scaled + c->bias;
+        if (t < c->end) {
+            const double rest = c->slope * (c->end - t);
+            *value -= rest;
+        }
+    }
+}
+
 /* FMI 2 status: 0 is OK, 1 a warning; discard, error, fatal and pending end the run. */
-static int advance(plan_t *p, int64_t i, double t, double h) {
+static int exchange(plan_t *p, int64_t i, double t, double h) {
     const slave_t *s = p->slaves + i;
     int status;
     if (s->callback) {
@@ -107,6 +147,18 @@ static int advance(plan_t *p, int64_t i, double t, double h) {
     for (int64_t j = 0; j < s->output_count; ++j)
         if (!isfinite(s->outputs[j])) return fault(p, i, FINITE, 0, j);
     return DONE;
+}
+
+static int advance(plan_t *p, int64_t i, double t, double h) {
+    const slave_t *s = p->slaves + i;
+    if (s->stopped) return DONE;
+    if (s->input_changes) manipulate(p, s->first_change, s->input_changes, t);
+    p->calls[i] += 1;
+    const int result = exchange(p, i, t, h);
+    p->calls[i] += 1;
+    if (s->output_changes && result == DONE)
+        manipulate(p, s->first_change + s->input_changes, s->output_changes, t + h);
+    return result;
 }
 
 static void remember(const bond_t *b, double *v) {
@@ -158,7 +210,25 @@ static int record(plan_t *p, double t) {
     return DONE;
 }
 
-/* Do `steps` macro steps, fewer if a recorder's rows are full or a slave fails; plan.done counts those done. */
+static int look(plan_t *p) {
+    int64_t fired = 0;
+    if (p->trigger_watches) {
+        const int result = seacrane_watch(p);
+        if (result != DONE) return result;
+    }
+    for (int64_t i = 0; i < p->trigger_count; ++i) {
+        trigger_t *t = p->triggers + i;
+        int64_t holds = 1;
+        for (const condition_t *c = p->conditions + t->first, *end = c + t->count; c < end; ++c)
+            holds = holds && (c->above ? p->values[c->index] > c->threshold : p->values[c->index] < c->threshold);
+        if (holds && !t->held && !t->fired) t->fired = fired = 1;
+        t->held = holds;
+    }
+    return fired ? STOPPED : DONE;
+}
+
+/* Do `steps` macro steps; plan.done counts those done. It does fewer if a recorder's rows are full, a slave fails, a
+ * trigger fires or it is told to stop. */
 EXPORT int seacrane_run(plan_t *p, int64_t steps) {
     const double h = (double)p->step_ns / 1e9;
     for (; steps > 0; --steps) {
@@ -176,6 +246,8 @@ EXPORT int seacrane_run(plan_t *p, int64_t steps) {
         p->done += 1;
         result = record(p, (double)(p->start_ns + p->done * p->step_ns) / 1e9);
         if (result != DONE) return result;
+        if (p->trigger_count && (result = look(p)) != DONE) return result;
+        if (*p->stop) return STOPPED;
     }
     return DONE;
 }

@@ -21,7 +21,7 @@ from typing import Final
 import msgspec
 import numpy as np
 
-from seacrane.cosim.execution import State
+from seacrane.cosim.saved import State
 from seacrane.errors import Problem, SeacraneError, ServerError
 from seacrane.server import orders, recording
 from seacrane.server.pacing import TICK, Pacer

@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from seacrane.model import REGISTRY, Component, SignalIn, SignalOut
+from seacrane.units import labelled
 
 MARKER = re.compile(r"^<!-- components of ([\w.]+) -->$", re.MULTILINE)
 
@@ -43,8 +44,8 @@ def ports(component: type[Component]) -> str:
     rows = []
     for name, port in component.ports.items():
         kind = {SignalIn: "signal in", SignalOut: "signal out"}.get(type(port), getattr(port, "domain", ""))
-        unit = f" [{port.unit}]" if isinstance(port, SignalIn | SignalOut) else ""
-        rows.append((f"`{name}`", kind + unit, port.about))
+        unit = port.unit if isinstance(port, SignalIn | SignalOut) else "1"
+        rows.append((f"`{name}`", labelled(kind, unit), port.about))
     return table(("port", "kind", ""), rows)
 
 
@@ -60,7 +61,7 @@ def parameters(component: type[Component], names: Iterable[str]) -> str:
         )
         if declaration.role in ("shared", "initial"):
             shown += f" ({declaration.role})"
-        unit = quantity.unit if quantity else ""
+        unit = quantity.unit if quantity and quantity.unit != "1" else ""
         rows.append((f"`{name}`", declaration.about, unit, shown, declaration.allowed))
     return table(("parameter", "", "unit", "default", "allowed"), rows)
 

@@ -170,6 +170,23 @@ def display(si_symbol: str) -> str:
     return DISPLAY.get(si_symbol, si_symbol)
 
 
+# ---------------------------------------------------------------- in words: the unit "1" is never written
+def with_unit(number: float | str, symbol: str, form: str = "g") -> str:
+    """A number (or words such as "0 to 5") with its unit: "5 bar", and "5" if it has none."""
+    text = number if isinstance(number, str) else f"{number:{form}}"
+    return text if symbol == "1" else f"{text} {symbol}"
+
+
+def in_unit(words: str, symbol: str) -> str:
+    """ "a number in bar", and "a number" if it has no unit."""
+    return words if symbol == "1" else f"{words} in {symbol}"
+
+
+def labelled(name: str, symbol: str) -> str:
+    """ "pressure [bar]", and the name alone if it has no unit."""
+    return name if symbol == "1" else f"{name} [{symbol}]"
+
+
 _QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*$")
 
 
@@ -220,7 +237,8 @@ class Quantity:
             candidate = UNITS[symbol]
             same = candidate.same_dimension(UNITS[self.unit])
             if same and candidate.factor != 1.0 and low <= abs(value) * candidate.factor <= high:
-                return f"{value:g} {self.unit} is implausible; did you mean {value:g} {symbol}?"
+                meant = f"did you mean {value:g} {symbol}?"
+                return f"{with_unit(value, self.unit)} is implausible; {meant}"
         return None
 
 

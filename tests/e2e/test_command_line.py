@@ -49,12 +49,14 @@ def test_every_fault_of_a_design_file_is_named_and_no_report_is_written(crane, t
 
 def test_a_design_may_be_checked_by_itself(crane, tmp_path):
     (tmp_path / "crane.json").write_text(json.dumps(crane))
-    assert seacrane("design", "check", "crane.json", cwd=tmp_path).returncode == 0
+    run = seacrane("design", "check", "crane.json", cwd=tmp_path)
+    assert (run.returncode, run.stdout.strip()) == (0, "crane.json: no problems")
     crane["cylinders"][1]["moves"] = "jibb"
     (tmp_path / "crane.json").write_text(json.dumps(crane))
     run = seacrane("design", "check", "crane.json", cwd=tmp_path)
-    assert run.returncode == 2
-    assert "Did you mean 'jib'?" in run.stderr
+    assert run.returncode == 1
+    assert "Did you mean 'jib'?" in run.stdout
+    assert "crane.json: 1 problem" in run.stdout
 
 
 @pytest.fixture

@@ -13,7 +13,10 @@ from . import demo, design, fmu, model, simulate
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command; 0 if all went well, 1 if a check found problems, 2 if the command could not be carried out."""
+    """Run a command and give its exit code.
+
+    0 if all went well; 1 if a check, or a comparison, found problems; 2 if the command could not be carried out.
+    """
     options = _parser().parse_args(arguments)
     try:
         status: int = options.run(options)
@@ -32,7 +35,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="seacrane", description="Marine cranes: designed, modelled, simulated, operated."
+        prog="seacrane",
+        description="Marine cranes: designed, modelled, simulated, operated.",
+        epilog="Exit code: 0 if all went well, 1 if a check found problems, 2 if the command could not be carried out.",
     )
     parser.add_argument("--version", action="version", version=f"seacrane {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")

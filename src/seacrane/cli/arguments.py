@@ -1,11 +1,14 @@
-"""What the commands share: how they are declared, and files that they write."""
+"""What the commands share: how they are declared, files that they write, and how a check tells what it found."""
 
 from __future__ import annotations
 
 import argparse
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TypeAlias
+
+from seacrane.errors import Problem
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 """What `add_subparsers` gives, and commands are added to."""
@@ -17,3 +20,11 @@ def output(text: str) -> Path:
     if path.is_dir() or not os.access(path.parent, os.W_OK):
         raise argparse.ArgumentTypeError(f"{text!r} cannot be written; give a file in a folder that exists")
     return path
+
+
+def verdict(file: str | os.PathLike[str], problems: Sequence[Problem]) -> int:
+    """Print what a check has found in a file; the exit code of the command: 0 if nothing, else 1."""
+    for problem in problems:
+        print(problem)
+    print(f"{os.fspath(file)}: {len(problems) or 'no'} problem{'s' if len(problems) != 1 else ''}")
+    return 1 if problems else 0

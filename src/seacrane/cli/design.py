@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 
-from .arguments import Commands
+from seacrane.errors import DesignError
+
+from .arguments import Commands, verdict
 
 
 def add(commands: Commands) -> None:
@@ -18,6 +20,8 @@ def add(commands: Commands) -> None:
 def _check_design(options: argparse.Namespace) -> int:
     from seacrane import design
 
-    crane = design.load(options.file)
-    print(f"{options.file}: {crane.name}, no problems")
-    return 0
+    try:
+        design.load(options.file)
+    except DesignError as error:
+        return verdict(options.file, error.problems)
+    return verdict(options.file, ())

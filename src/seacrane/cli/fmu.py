@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .arguments import Commands, output
+from .arguments import Commands, output, verdict
 
 if TYPE_CHECKING:
     from seacrane.fmi import ModelDescription
@@ -81,11 +81,7 @@ def _settings(parser: argparse.ArgumentParser) -> None:
 def _check_fmu(options: argparse.Namespace) -> int:
     from seacrane import fmi
 
-    problems = fmi.check(options.file)
-    for problem in problems:
-        print(problem)
-    print(f"{options.file}: {len(problems) or 'no'} problem{'s' if len(problems) != 1 else ''}")
-    return 1 if problems else 0
+    return verdict(options.file, fmi.check(options.file))
 
 
 def _info(options: argparse.Namespace) -> int:
@@ -116,7 +112,7 @@ def _info(options: argparse.Namespace) -> int:
                 v.variability,
                 v.type + "".join(f"[{n}]" for n in v.shape),
                 "" if v.start is None else _short(v.start),
-                v.unit or "",
+                _unit(v.unit),
                 v.description,
             )
             for v in d.variables
@@ -143,7 +139,7 @@ def _run(options: argparse.Namespace) -> int:
         recording.plot(title=options.file.stem).savefig(options.plot)
         print(f"{options.plot}: drawn")
     if not options.csv and not options.plot:
-        rows = [(n, f"{s.values[-1]:.6g}", s.unit) for n, s in recording.signals.items()]
+        rows = [(n, f"{s.values[-1]:.6g}", _unit(s.unit)) for n, s in recording.signals.items()]
         _print_table(("name", f"at {recording.time[-1]:g} s", "unit"), rows)
     return 0
 
@@ -179,7 +175,8 @@ def _compare(options: argparse.Namespace) -> int:
     runs = [_recording(options, path, None) for path in (options.first, options.second)]
     deviations = fmi.compare(*runs)
     rows = [
-        (d.name, f"{d.largest:.3g}", f"{d.rms:.3g}", d.unit, f"{d.relative:.3g}", f"{d.at:g} s") for d in deviations
+        (d.name, f"{d.largest:.3g}", f"{d.rms:.3g}", _unit(d.unit), f"{d.relative:.3g}", f"{d.at:g} s")
+        for d in deviations
     ]
     _print_table(("output", "largest", "rms", "unit", "relative", "at"), rows)
     if options.within is None:
@@ -223,6 +220,10 @@ def _values(description: ModelDescription, settings: list[str]) -> Mapping[str, 
     if problems:
         raise ParameterError(problems)
     return values
+
+
+def _unit(symbol: str | None) -> str:
+    return "" if symbol in (None, "1") else symbol
 
 
 def _short(value: object) -> str:

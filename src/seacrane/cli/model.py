@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from seacrane import documents
-from seacrane.units import convert
+from seacrane.units import convert, with_unit
 
-from .arguments import Commands, output
+from .arguments import Commands, output, verdict
 
 if TYPE_CHECKING:
     from seacrane.model import Diagram
@@ -65,8 +65,8 @@ def _parameters(diagram: Diagram) -> Iterator[str]:
     rows = []
     for parameter in diagram.parameters():
         shown = parameter.display_unit
-        value = f"{convert(parameter.start, parameter.unit, shown):.6g}"
-        rows.append((parameter.name, value if shown == "1" else f"{value} {shown}", parameter.about))
+        value = with_unit(convert(parameter.start, parameter.unit, shown), shown, ".6g")
+        rows.append((parameter.name, value, parameter.about))
     widths = [max((len(row[i]) for row in rows), default=0) for i in (0, 1)]
     for name, value, about in rows:
         yield f"{name:<{widths[0]}}  {value:>{widths[1]}}  {about}"
@@ -75,8 +75,4 @@ def _parameters(diagram: Diagram) -> Iterator[str]:
 def _check(options: argparse.Namespace) -> int:
     from seacrane import model
 
-    problems = model.check(options.file)
-    for problem in problems:
-        print(problem)
-    print(f"{options.file}: {len(problems) or 'no'} problem{'s' if len(problems) != 1 else ''}")
-    return 1 if problems else 0
+    return verdict(options.file, model.check(options.file))

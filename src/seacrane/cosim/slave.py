@@ -20,6 +20,7 @@ import numpy.typing as npt
 
 from seacrane.errors import ParameterError, Problem, nearest
 from seacrane.model.dae import Variable
+from seacrane.units import with_unit
 
 Vector = npt.NDArray[np.float64]
 
@@ -160,7 +161,7 @@ def check_values(
             problems.append(Problem(at, f"no such {what}", hint=nearest(name, variables)))
             continue
         variable = variables[name]
-        allowed = f"{variable.minimum:g} to {variable.maximum:g} {variable.unit}"
+        allowed = with_unit(f"{variable.minimum:g} to {variable.maximum:g}", variable.unit)
         if not math.isfinite(value):
             problems.append(Problem(at, "is not a finite number", value, allowed))
         elif not variable.minimum <= value <= variable.maximum:

@@ -16,7 +16,7 @@ import msgspec
 
 from seacrane.design.crane import Joint
 from seacrane.errors import Problem, UnitError, nearest
-from seacrane.units import UNITS, Length, Quantity, compatible, parse
+from seacrane.units import UNITS, Length, Quantity, compatible, in_unit, labelled, parse
 
 UNREAD: Final = object()
 """Stands for what could not be read."""
@@ -154,7 +154,7 @@ class Walk:
             except UnitError as error:
                 return self.refused(error.problems[0], raw, quantity, extras)
         elif isinstance(raw, bool) or not isinstance(raw, int if kind is int else int | float):
-            needed = "a whole number" if kind is int else f"a number in {quantity.unit}"
+            needed = "a whole number" if kind is int else in_unit("a number", quantity.unit)
             return self.unread(path, f"must be {needed}" + _about_extras(extras), value=raw)
         else:
             try:
@@ -205,6 +205,5 @@ def _about(annotation: Any) -> str:
 def _about_extras(extras: list[Any]) -> str:
     words = next((e.description for e in extras if isinstance(e, msgspec.Meta) and e.description), "")
     quantity = next((e for e in extras if isinstance(e, Quantity)), None)
-    symbol = f"[{quantity.unit}]" if quantity is not None and quantity.unit != "1" else ""
-    text = " ".join(part for part in (words, symbol) if part)
+    text = labelled(words, quantity.unit if quantity is not None else "1").strip()
     return f": {text}" if text else ""

@@ -10,6 +10,7 @@ import numpy as np
 
 from seacrane.errors import ParameterError, SolveError
 from seacrane.results import Recording, overlay
+from seacrane.units import labelled
 
 from .simulate import Inputs, Model, Run, compiled, simulate, solver_of
 from .solvers import Progress, Solver
@@ -57,7 +58,7 @@ class Comparison:
 
     def __str__(self) -> str:
         width = max(len(r.model) for r in self.rows), max(len(r.solver) for r in self.rows)
-        error = f"RMSE [{self.rows[0].unit}]"
+        error = labelled("RMSE", self.rows[0].unit)
         head = f"{'model':<{width[0]}}  {'solver':<{width[1]}}  {'RTF':>9}  {error:>11}  steps"
         lines = [
             f"{r.model:<{width[0]}}  {r.solver:<{width[1]}}  {r.real_time_factor:>9.2g}  {r.rmse:>11.3g}  {r.steps}"

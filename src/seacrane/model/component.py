@@ -26,7 +26,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Final, get_type_hints
 
 from seacrane.errors import ParameterError, Problem, nearest
-from seacrane.units import UNITS, Quantity, quantity_of
+from seacrane.units import UNITS, Quantity, in_unit, labelled, quantity_of, with_unit
 
 from .dae import PowerBond
 from .ports import Port
@@ -172,8 +172,8 @@ class Component:
         for field in _fields(type(self)):
             declaration, quantity = known[field.name]
             if field.name not in parameters and field.default is dataclasses.MISSING:
-                unit = f" [{quantity.unit}]" if quantity else ""
-                problems.append(Problem(self._place(field.name), f"is missing: {declaration.about}{unit}"))
+                what = labelled(declaration.about, quantity.unit if quantity else "1")
+                problems.append(Problem(self._place(field.name), f"is missing: {what}"))
                 continue
             value = parameters.get(field.name, field.default)
             if declaration.role != "option" and not isinstance(value, _Shared):
@@ -217,19 +217,20 @@ def check_value(path: str, value: Any, declaration: Declaration, quantity: Quant
     """The problem with a parameter's value, if there is one: not a number, not finite, out of bounds, a unit slip."""
     unit = quantity.unit if quantity else "1"
     if isinstance(value, bool) or not hasattr(value, "__float__"):
-        return Problem(path, f"must be a number in {unit}: {declaration.about}", value)
+        return Problem(path, f"must be {in_unit('a number', unit)}: {declaration.about}", value)
     try:
         number = float(value)
     except (TypeError, ValueError):  # an array of several, or of none
-        return Problem(path, f"must be one number in {unit}: {declaration.about}", value)
+        return Problem(path, f"must be {in_unit('one number', unit)}: {declaration.about}", value)
     if not math.isfinite(number):
-        return Problem(path, f"must be a finite number in {unit}: {declaration.about}", value)
+        return Problem(path, f"must be {in_unit('a finite number', unit)}: {declaration.about}", value)
     slip = quantity.slip(number) if quantity else None
     if not declaration.admits(number):
         shown = ""
         if quantity and quantity.display != quantity.unit:
             shown = f" = {number / UNITS[quantity.display].factor:g} {quantity.display}"
-        return Problem(path, f"{number:g} {unit}{shown} is out of range", None, f"{declaration.allowed} {unit}", slip)
+        given = with_unit(number, unit)
+        return Problem(path, f"{given}{shown} is out of range", None, with_unit(declaration.allowed, unit), slip)
     if slip:
         return Problem(path, f"{slip} It is: {declaration.about}")
     return None

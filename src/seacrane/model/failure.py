@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from seacrane.errors import Problem, SolveError
 from seacrane.numerics.equations import Reals
-from seacrane.units import UNITS
+from seacrane.units import convert, with_unit
 
 from .dae import Dae, Variable
 from .singular import Point, components, undetermined_at
@@ -159,7 +159,7 @@ def doubts(dae: Dae, times: Reals, seen: Mapping[str, Reals], settings: Mapping[
         values = seen.get(v.name, times[:0])
         if at := _first((values < v.minimum - 1e-9) | (values > v.maximum + 1e-9)):
             message = f"is {values[at[0]]:g} at t = {times[at[0]]:g} s, outside its range"
-            yield Problem(v.name, message, allowed=f"{v.minimum:g} to {v.maximum:g} {v.unit}".removesuffix(" 1"))
+            yield Problem(v.name, message, allowed=with_unit(f"{v.minimum:g} to {v.maximum:g}", v.unit))
     for v in dae.states + dae.algebraics:
         values = seen.get(v.name, times[:0])
         stroke = _stroke(v, parameters)
@@ -264,5 +264,4 @@ def _culprit(dae: Dae, stop: Stop, text: str) -> Iterator[Problem]:
 
 def _shown(variable: Variable, value: float) -> str:
     unit = variable.display_unit
-    number = value * UNITS[variable.unit].factor / UNITS[unit].factor
-    return f"{number:.4g} {unit}" if unit != "1" else f"{number:.4g}"
+    return with_unit(convert(value, variable.unit, unit), unit, ".4g")

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from seacrane.errors import ParameterError, Problem, SolveError, nearest
 from seacrane.results import Recording, Signal, bode
+from seacrane.units import labelled
 
 from .dae import Dae, Variable
 from .simulate import Model, compiled
@@ -111,7 +112,9 @@ class Linearised:
                 self.outputs[_index(self.outputs, name, "output")],
                 self.inputs[_index(self.inputs, source, "input")],
             )
-            labels[f"{name} [{gives.unit}] / {source} [{takes.unit}]"] = self.response(hertz, source, name)
+            labels[f"{labelled(name, gives.unit)} / {labelled(source, takes.unit)}"] = self.response(
+                hertz, source, name
+            )
         return bode(hertz, labels)
 
     def step(self, source: str, until: float, *, size: float = 1.0, every: float | None = None) -> Recording:

@@ -25,6 +25,7 @@ from seacrane.errors import ParameterError, Problem, SolveError, nearest
 from seacrane.model.codegen import Entry, Generated, generate
 from seacrane.model.dae import Dae, Variable
 from seacrane.native import build_library
+from seacrane.units import in_unit, with_unit
 
 Reals = NDArray[np.float64]
 Reference = str | int
@@ -330,7 +331,7 @@ class NativeInstance:
             v = entry.variable
             bounded = entry.kind in ("PARAMETER", "SETTING")
             if not np.isfinite(value) or (bounded and not v.minimum <= value <= v.maximum):
-                problems.append(Problem(v.name, f"cannot be {value:g} {v.unit}", allowed=_range(v, bounded)))
+                problems.append(Problem(v.name, f"cannot be {with_unit(value, v.unit)}", allowed=_range(v, bounded)))
         return problems or [Problem(self.name, self._message())]
 
     def _message(self) -> str:
@@ -345,12 +346,12 @@ class NativeInstance:
 
 def _range(variable: Variable, bounded: bool) -> str:
     if not bounded or (np.isinf(variable.minimum) and np.isinf(variable.maximum)):
-        return f"a finite number of {variable.unit}"
+        return in_unit("a finite number", variable.unit)
     if np.isinf(variable.maximum):
-        return f"at least {variable.minimum:g} {variable.unit}"
+        return f"at least {with_unit(variable.minimum, variable.unit)}"
     if np.isinf(variable.minimum):
-        return f"at most {variable.maximum:g} {variable.unit}"
-    return f"{variable.minimum:g} to {variable.maximum:g} {variable.unit}"
+        return f"at most {with_unit(variable.maximum, variable.unit)}"
+    return with_unit(f"{variable.minimum:g} to {variable.maximum:g}", variable.unit)
 
 
 def _on_one_axis(series: Sequence[tuple[Reals, Reals]], linear: bool) -> tuple[Reals, list[Reals]]:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from seacrane.errors import ParameterError, Problem, SolveError, nearest
 from seacrane.results import Recording, Signal
+from seacrane.units import in_unit
 
 from .classical import BDF, LSODA, Adams, Radau
 from .dae import Dae
@@ -135,7 +136,7 @@ def _not_numbers(dae: Dae, parameters: Mapping[str, float], inputs: Inputs) -> I
         try:
             float(value)
         except (TypeError, ValueError):
-            told = f"must be a number in {units.get(name, 'SI')}"
+            told = f"must be {in_unit('a number', units.get(name, 'SI'))}"
             yield Problem(name, told, value, hint="`seacrane.model.settings` reads texts with units.")
     for name, series in inputs.items():
         if not isinstance(series, tuple):

@@ -11,7 +11,7 @@ import numpy as np
 
 from seacrane.errors import Problem
 from seacrane.numerics.equations import Reals, solve_equations
-from seacrane.units import UNITS
+from seacrane.units import convert, with_unit
 
 from .dae import Dae, Variable
 
@@ -72,4 +72,4 @@ def contradictions(dae: Dae, demoted: Sequence[Variable], ties: Sequence[Tie]) -
 
 def _shown(variable: Variable, value: float) -> str:
     unit = variable.display_unit
-    return f"{value * UNITS[variable.unit].factor / UNITS[unit].factor:g} {unit}"
+    return with_unit(convert(value, variable.unit, unit), unit)

@@ -15,7 +15,7 @@ import numpy as np
 
 from seacrane.errors import ParameterError, Problem, SolveError, nearest
 from seacrane.numerics.equations import Reals, solve_equations
-from seacrane.units import UNITS
+from seacrane.units import convert, with_unit
 
 from .dae import Dae, Variable
 from .diagram import Diagram
@@ -193,11 +193,11 @@ class _Trimming:
         for i in worst:
             v = self.dae.states[i]
             unit = v.display_unit
-            rate = f[i] * UNITS[v.unit].factor / UNITS[unit].factor
+            rate = with_unit(convert(float(f[i]), v.unit, unit), unit, ".3g")
             problems.append(
                 Problem(
                     v.name,
-                    f"does not settle: it still changes by {rate:.3g} {unit} per second",
+                    f"does not settle: it still changes by {rate} per second",
                     hint=f"Change the inputs, or keep it where it is: hold=[{v.name!r}].",
                 )
             )

@@ -36,7 +36,7 @@ def plot(recording: Recording, unit: str | float | None = None, title: str = "")
         for name in names:
             signal = recording.signals[name]
             ax.plot(recording.time, units.convert(1.0, signal.unit, symbol) * signal.values, label=name)
-        ax.set_ylabel(f"{names[0]} [{symbol}]" if len(names) == 1 else f"[{symbol}]")
+        ax.set_ylabel(units.labelled(names[0] if len(names) == 1 else "", symbol).strip())
         ax.grid(True, alpha=0.3)
         ax.legend(loc="best")
     axes[-1].set_xlabel("time [s]")
@@ -58,8 +58,8 @@ def overlay(name: str, runs: Mapping[str, Recording], reference: Recording, unit
         there = np.interp(run.time, reference.time, reference[name])
         below.plot(run.time, factor * (run[name] - there), label=label)
     above.plot(reference.time, factor * reference[name], "k--", linewidth=0.8, label="reference")
-    above.set_ylabel(f"{name} [{shown}]")
-    below.set_ylabel(f"deviation [{shown}]")
+    above.set_ylabel(units.labelled(name, shown))
+    below.set_ylabel(units.labelled("deviation", shown))
     below.set_xlabel("time [s]")
     for ax in (above, below):
         ax.grid(True, alpha=0.3)
@@ -85,10 +85,11 @@ def family(
     figure = Figure(figsize=(9.0, 4.5), layout="constrained")
     ax = figure.subplots()
     for i, (run, value) in enumerate(zip(runs, values, strict=True)):
-        label = f"{units.convert(value, parameter_unit, parameter_shown, parameter):g} {parameter_shown}"
+        converted = units.convert(value, parameter_unit, parameter_shown, parameter)
+        label = units.with_unit(converted, parameter_shown)
         ax.plot(run.time, factor * run[name], color=colormaps["viridis"](i / max(1, len(runs) - 1)), label=label)
     ax.set_xlabel("time [s]")
-    ax.set_ylabel(f"{name} [{shown}]")
+    ax.set_ylabel(units.labelled(name, shown))
     ax.grid(True, alpha=0.3)
     ax.legend(loc="best", fontsize="small", title=parameter)
     return figure

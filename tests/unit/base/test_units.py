@@ -84,3 +84,13 @@ def test_a_slip_of_the_unit_is_recognised_only_where_it_explains_the_value():
     assert pressure.slip(280.0) == "280 Pa is implausible; did you mean 280 bar?"
     assert pressure.slip(280e5) is None
     assert pressure.slip(0.0) is None
+
+
+def test_a_number_without_a_unit_is_written_without_one():
+    assert units.with_unit(5.0, "1") == "5"
+    assert units.with_unit(1.23456, "bar", ".3g") == "1.23 bar"
+    assert units.with_unit("0 to 5", "m") == "0 to 5 m"
+    assert units.in_unit("a number", "1") == "a number"
+    assert units.in_unit("a number", "bar") == "a number in bar"
+    assert units.labelled("spool", "1") == "spool"
+    assert units.labelled("p", "bar") == "p [bar]"

@@ -136,3 +136,16 @@ def test_a_reader_that_has_seen_enough_is_no_error(model: Path) -> None:
         assert process.stderr is not None
         process.stdout.close()
         assert process.stderr.read() == b""
+
+
+@pytest.mark.parametrize("room", ["model", "design", "fmu"])
+def test_every_check_exits_with_1_if_it_finds_a_problem_and_with_2_if_it_was_not_told_what_to_check(
+    room: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "bad").write_text("{")
+    assert main([room, "check", str(tmp_path / "bad")]) == 1
+    assert main([room, "check", str(tmp_path / "none")]) == 1
+    assert "none: cannot be read" in capsys.readouterr().out
+    with pytest.raises(SystemExit) as left:
+        main([room, "check"])
+    assert left.value.code == 2

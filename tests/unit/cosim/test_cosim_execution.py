@@ -100,7 +100,7 @@ def test_what_cannot_be_set_is_refused_with_the_reason():
     with pytest.raises(CosimError, match=r"a\.v: no such variable in the system\. Did you mean"):
         run.set("a.v", 1.0)
     run = Execution(alone(lambda t, h, u: u, ["u"]), GaussSeidel(0.1))
-    with pytest.raises(ParameterError, match=r"f\.u: is out of its bounds \(got 2\.0\); allowed: -1 to 1 1"):
+    with pytest.raises(ParameterError, match=r"f\.u: is out of its bounds \(got 2\.0\); allowed: -1 to 1$"):
         run.set("f.u", 2.0)
     with pytest.raises(ParameterError, match=r"f\.u: is not a finite number"):
         run.set("f.u", math.nan)

@@ -126,7 +126,7 @@ def test_a_value_out_of_bounds_names_range_and_unit_and_nothing_is_set(model: Na
             run.set("k", -1.0)
         with pytest.raises(ParameterError, match=r"force: cannot be nan N; allowed: a finite number in N"):
             run.set("force", math.nan)
-        with pytest.raises(ParameterError, match=r"solver.tolerance: cannot be 2 1; allowed: 1e-12 to 0.1"):
+        with pytest.raises(ParameterError, match=r"solver.tolerance: cannot be 2; allowed: 1e-12 to 0.1"):
             run.set("solver.tolerance", 2.0)
 
 

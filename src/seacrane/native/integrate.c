@@ -150,6 +150,13 @@ static void accept(struct instance *m, double t)
     m->statistics.steps++;
 }
 
+/* By which factor the step size may change after a step of this error, of order 4. Square roots are rounded alike by
+   every C library, pow is not: so the same steps are taken on all platforms. */
+static double growth(double error)
+{
+    return 0.9 / sqrt(sqrt(error));
+}
+
 static int adaptive(struct instance *m, double end)
 {
     struct state *s = &m->state;
@@ -173,12 +180,12 @@ static int adaptive(struct instance *m, double end)
         int singular = rodas_step(m, s->time, h, s->y);
         double error = singular ? HUGE_VAL : error_norm(m, &culprit);
         if (error <= 1) {
-            scale = fmin(rejected ? 1 : 5, 0.9 * pow(fmax(error, 1e-10), -0.25));
+            scale = fmin(rejected ? 1 : 5, growth(fmax(error, 1e-10)));
             accept(m, last ? end : s->time + h);
             s->next_step = last ? fmax(s->next_step, h * scale) : h * scale;
             known = rejected = 0;
         } else {
-            scale = error < HUGE_VAL ? fmax(0.1, 0.9 * pow(error, -0.25)) : 0.1;
+            scale = error < HUGE_VAL ? fmax(0.1, growth(error)) : 0.1;
             s->next_step = h * scale;
             rejected = 1;
             m->statistics.rejected++;

@@ -1,4 +1,4 @@
-"""Reading and writing the JSON files of the package: no field twice, no half-written file."""
+"""Reading and writing the files of the package: no field of a JSON object twice, no half-written file."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ def parsed(content: bytes | str, origin: str, error: type[SeacraneError]) -> Any
         raise error.at(origin, "cannot be read: nested too deeply, or with a number too long") from None
 
 
-def write(content: str, path: str | os.PathLike[str]) -> None:
-    """Write a text file; an existing file is replaced only once the new one is complete."""
+def write(content: str | bytes, path: str | os.PathLike[str]) -> None:
+    """Write a file, text as UTF-8; an existing file is replaced only once the new one is complete."""
     target = Path(path)
     handle, beside = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent or Path())
     try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(content)
+        with os.fdopen(handle, "wb") as file:
+            file.write(content.encode() if isinstance(content, str) else content)
         os.chmod(beside, 0o666 & ~_umask())
         os.replace(beside, target)
     except BaseException:

@@ -51,6 +51,9 @@ def add(commands: Commands) -> None:
         help="what its binaries are for: this machine (default), all, or names as x86_64-windows,aarch64-linux",
     )
     export.add_argument("--sources", action="store_true", help="put the C sources inside; without, no equation shows")
+    export.add_argument(
+        "--wasm", action="store_true", help="also write it as a WebAssembly module for web pages, beside the FMU"
+    )
     export.add_argument("--out", type=output, required=True, metavar="FILE", help="the FMU to be written")
     export.set_defaults(run=_export)
 
@@ -166,6 +169,10 @@ def _export(options: argparse.Namespace) -> int:
         f"{options.out.stat().st_size / 1024:.0f} kB",
     ]
     print(f"{options.out}: {'; '.join(what)}")
+    if options.wasm:
+        print(f"{options.out.name}: compiling for WebAssembly", file=sys.stderr)
+        module = fmi.export_wasm(diagram, options.out.with_suffix(".wasm"))
+        print(f"{module}: WebAssembly; {module.stat().st_size / 1024:.0f} kB")
     return 0
 
 

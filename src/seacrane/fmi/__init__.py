@@ -17,6 +17,7 @@ from seacrane.fmi.export import export
 from seacrane.fmi.fmu import Fmu, Kind, read
 from seacrane.fmi.instance import FmuInstance
 from seacrane.fmi.simulate import Deviation, compare, parse, run
+from seacrane.fmi.wasm import export_wasm
 
 __all__ = [
     "CoSimulation",
@@ -36,6 +37,7 @@ __all__ = [
     "check",
     "compare",
     "export",
+    "export_wasm",
     "parse",
     "read",
     "run",

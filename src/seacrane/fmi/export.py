@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import os
+import io
 import struct
-import tempfile
 import zipfile
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Final, Literal, Protocol
 
+from seacrane import documents
 from seacrane.errors import FmuError, Problem, nearest
 from seacrane.fmi import writing2, writing3
 from seacrane.fmi.documentation import DRAWING, icon_png, icon_svg, page
@@ -79,7 +79,7 @@ def export(
     else:
         progress(f"compiling for {', '.join(targets)}")
         files |= binaries(build_all(targets, identifier, generated.sources, ["-w"]), identifier, version)
-    return _write(Path(path), files)
+    return write_whole(Path(path), archive_of(files))
 
 
 def _targets(platforms: str | Iterable[str]) -> tuple[str, ...]:
@@ -139,30 +139,23 @@ def contents(model: Generated, identifier: str, version: str, sources: bool, dra
     return {name: text.encode() for name, text in texts.items()} | icons
 
 
-def _write(target: Path, files: Mapping[str, bytes]) -> Path:
+def write_whole(target: Path, content: bytes) -> Path:
+    """Writes a file that appears complete or not at all. `FmuError` if it cannot be written."""
     try:
-        handle, partial = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
+        documents.write(content, target)
     except OSError as error:
         raise FmuError.at(str(target), f"cannot be written: {error.strerror}") from None
-    try:
-        with os.fdopen(handle, "wb") as file:
-            write_archive(file, files)
-        Path(partial).chmod(0o644)
-        Path(partial).replace(target)
-    except BaseException as error:
-        Path(partial).unlink(missing_ok=True)
-        if isinstance(error, OSError):
-            raise FmuError.at(str(target), f"cannot be written: {error.strerror}") from None
-        raise
     return target
 
 
-def write_archive(file: object, files: Mapping[str, bytes]) -> None:
+def archive_of(files: Mapping[str, bytes]) -> bytes:
     """A ZIP archive whose bytes depend on nothing but the files: fixed order, times and permissions."""
-    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:  # type: ignore[call-overload]
+    written = io.BytesIO()
+    with zipfile.ZipFile(written, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
         for name, content in files.items():
             entry = zipfile.ZipInfo(name, EPOCH)
             entry.create_system = 3  # Unix, whatever this machine is
             entry.external_attr = (0o100755 if name.startswith("binaries/") else 0o100644) << 16
             entry.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(entry, content)
+    return written.getvalue()

@@ -58,18 +58,22 @@ def about(model: Generated) -> dict[str, str | None]:
     }
 
 
+def starts(entry: Entry) -> bool:
+    """Whether the variable has a start value."""
+    causality, _, initial = KINDS[entry.kind]
+    return causality == "input" or initial in ("exact", "approx")
+
+
 def number(entry: Entry) -> dict[str, str | None]:
     """Unit, bounds, nominal and start value of a variable, as attributes."""
     v = entry.variable
-    causality, _, initial = KINDS[entry.kind]
-    starts = causality == "input" or initial in ("exact", "approx")
     return {
         "unit": v.unit or None,
         "displayUnit": v.display_unit if v.unit and v.display_unit != v.unit else None,
         "min": _bound(v.minimum),
         "max": _bound(v.maximum),
         "nominal": repr(float(v.nominal)) if v.nominal != 1 and entry.kind != "SETTING" else None,
-        "start": repr(float(v.start)) if starts else None,
+        "start": repr(float(v.start)) if starts(entry) else None,
     }
 
 

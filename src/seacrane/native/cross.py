@@ -1,6 +1,7 @@
-"""Shared libraries for other platforms, from this machine and offline, by the compiler of the optional extra `export`.
+"""Shared libraries for other platforms, and WebAssembly modules, from this machine and offline.
 
-`ziglang` is the Zig compiler as a Python package; its `zig cc` is clang with the C libraries of many systems.
+Their compiler comes with the optional extra `export`: `ziglang` is the Zig compiler as a Python package, and its
+`zig cc` is clang with the C libraries of many systems.
 """
 
 from __future__ import annotations
@@ -55,36 +56,62 @@ def build_all(
 
     Raises `CompileError` if the extra `export` is not installed, or with the first command that failed.
     """
-    if importlib.util.find_spec("ziglang") is None:
-        raise CompileError.at(
-            "platforms",
-            "compiling for other platforms needs the package ziglang, which is not installed",
-            hint="pip install seacrane[export]",
-        )
+    _require_zig("platforms")
     names = list(platforms)
     with ThreadPoolExecutor(2) as pool:
         return dict(zip(names, pool.map(lambda p: _build(p, name, sources, tuple(flags)), names), strict=True))
 
 
+def build_module(name: str, sources: Mapping[str, str], exports: Iterable[str], flags: Iterable[str]) -> Path:
+    """The WebAssembly module `name` that exports these C functions and its memory and imports nothing.
+
+    Raises `CompileError` if the extra `export` is not installed, or with the command that failed.
+    """
+    _require_zig("wasm")
+    files = {**sources, **source("wasm.c")}
+    file = f"{name}.wasm"
+    # Small, as it is loaded over a network; measured, the smallest is also the fastest. A reactor is a module without
+    # main, which asks nothing of the system.
+    command = ["cc", "-target", "wasm32-wasi", *(f for f in FLAGS if f != "-fPIC"), *flags, "-Os", "-flto", "-g0", "-s"]
+    command += ["-Dvsnprintf=seacrane_format", "-mexec-model=reactor", "-Wl,-z,stack-size=65536"]
+    command += [*(f"-Wl,--export={function}" for function in exports), "-o", file]
+    return _compiled(file, files, [[*command, *sorted(f for f in files if f.endswith(".c"))]])
+
+
+def _require_zig(wanted: str) -> None:
+    if importlib.util.find_spec("ziglang") is None:
+        raise CompileError.at(
+            wanted,
+            "compiling for other platforms needs the package ziglang, which is not installed",
+            hint="pip install seacrane[export]",
+        )
+
+
 def _build(platform: str, name: str, sources: Mapping[str, str], flags: tuple[str, ...]) -> Path:
     target = TARGETS[platform]
-    windows = platform.endswith("windows")
     files = dict(sources)
     file = f"{name}.{target.suffix}"
     command = ["cc", "-target", target.triple, *FLAGS, *flags, "-g0", "-s", "-shared", "-o", file]
+    commands = [command]
     units = sorted(f for f in files if f.endswith(".c"))
-    if windows:
+    if platform.endswith("windows"):
         files |= source("windows.c")
         files["system.def"] = "LIBRARY ucrtbase.dll\nEXPORTS\n" + "\n".join(_WINDOWS_LIBRARY) + "\n"
         command.remove("-fPIC")
         # zig would first build a C library, for minutes: link to the system's through a list of its functions.
         command += [*units, "windows.c", "system.a", "-nostdlib", "-fno-stack-protector", "-fno-builtin"]
         command += ["-Wl,--entry=DllMainCRTStartup", "-isystem", str(_windows_headers())]
+        commands.insert(0, ["dlltool", "-m", "i386:x86-64", "-d", "system.def", "-D", "ucrtbase.dll", "-l", "system.a"])
     else:
         command += [*units, "-lm"]
     if platform.endswith("darwin"):
         command.append(f"-Wl,-install_name,@rpath/{file}")  # otherwise the path on this machine
-    key = hashlib.sha256(repr((version("ziglang"), command, sorted(files.items()))).encode()).hexdigest()
+    return _compiled(file, files, commands)
+
+
+def _compiled(file: str, files: Mapping[str, str], commands: list[list[str]]) -> Path:
+    """What zig's `commands` make of `files`, from the cache or made; it appears there complete or not at all."""
+    key = hashlib.sha256(repr((version("ziglang"), commands, sorted(files.items()))).encode()).hexdigest()
     result = cache_folder() / key[:32] / file
     if result.exists():
         return result
@@ -92,9 +119,8 @@ def _build(platform: str, name: str, sources: Mapping[str, str], flags: tuple[st
     with tempfile.TemporaryDirectory(prefix="seacrane-") as folder:
         for each, text in files.items():
             (Path(folder) / each).write_text(text, encoding="utf-8")
-        if windows:
-            _zig(["dlltool", "-m", "i386:x86-64", "-d", "system.def", "-D", "ucrtbase.dll", "-l", "system.a"], folder)
-        _zig(command, folder)
+        for command in commands:
+            _zig(command, folder)
         partial = result.with_name(f".{file}.{os.getpid()}")
         partial.write_bytes((Path(folder) / file).read_bytes())
         partial.replace(result)

@@ -4,16 +4,19 @@ crane = design.load("offshore-100t")
 design.geometry.radius(crane, {"luff": 50 * deg, "jib": -70 * deg})
 """
 
-from seacrane.design import geometry
+from seacrane.design import chart, geometry, planar, workspace
 from seacrane.design.crane import (
+    FOOT,
     FORMAT,
     Attachment,
     Crane,
     Cylinder,
     Hoist,
     Joint,
+    JointMoment,
     Link,
     RatedLoad,
+    Rating,
     Rope,
     Slew,
     Source,
@@ -22,22 +25,28 @@ from seacrane.design.reader import load, loads, names, save, to_json
 from seacrane.design.validation import check
 
 __all__ = [
+    "FOOT",
     "FORMAT",
     "Attachment",
     "Crane",
     "Cylinder",
     "Hoist",
     "Joint",
+    "JointMoment",
     "Link",
     "RatedLoad",
+    "Rating",
     "Rope",
     "Slew",
     "Source",
+    "chart",
     "check",
     "geometry",
     "load",
     "loads",
     "names",
+    "planar",
     "save",
     "to_json",
+    "workspace",
 ]

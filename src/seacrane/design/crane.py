@@ -20,6 +20,7 @@ from seacrane.units import (
     AngularSpeed,
     Diameter,
     Force,
+    Frequency,
     Inertia,
     Length,
     Mass,
@@ -27,10 +28,14 @@ from seacrane.units import (
     Pressure,
     Ratio,
     Speed,
+    Torque,
 )
 
 FORMAT: Final = "seacrane-crane/1"
 """The version of the design file that this package writes and reads."""
+
+FOOT: Final = "foot"
+"""What an attachment names in place of a link to sit on the foot itself, fixed to the ship."""
 
 Point = tuple[Length, Length, Length]
 Direction = tuple[Ratio, Ratio, Ratio]
@@ -62,9 +67,9 @@ class Link(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Attachment(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A point in the plane of the crane, fixed to a link."""
+    """A point in the plane of the crane, fixed to a link or to the foot."""
 
-    link: Annotated[str, Meta(description="name of the link")]
+    link: Annotated[str, Meta(description="name of the link, or foot")]
     x: Annotated[Length, Meta(description="along the link from its joint")]
     z: Annotated[Length, Meta(description="up from the link's axis")]
 
@@ -85,6 +90,7 @@ class Cylinder(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         Length | None,
         Meta(gt=0, description="pin-to-pin length when fully in; absent: the travel is centred in the stroke"),
     ] = None
+    efficiency: Annotated[Ratio, Meta(gt=0, le=1, description="force at the eye over pressure times area")] = 1.0
 
 
 class Rope(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -94,6 +100,8 @@ class Rope(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     EA: Annotated[Force, Meta(gt=0, description="axial stiffness: force per unit strain")]
     mass_per_length: Annotated[MassPerLength, Meta(gt=0)]
     damping_ratio: Annotated[Ratio, Meta(ge=0, lt=1, description="of critical, with the load as the mass")]
+    breaking_load: Annotated[Force | None, Meta(gt=0, description="minimum breaking load")] = None
+    safety_factor: Annotated[Ratio, Meta(ge=1, description="breaking load over the largest tension, dynamics in")] = 3.0
 
 
 class Hoist(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -105,6 +113,10 @@ class Hoist(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     rope: Rope
     speed: Annotated[Speed, Meta(gt=0, description="of the rope, with the rated load")]
     compensation_speed: Annotated[Speed, Meta(gt=0, description="of the rope, in heave compensation")]
+    falls: Annotated[int, Meta(ge=1, le=16, description="parts of rope that carry the hook")] = 1
+    sheave_efficiency: Annotated[Ratio, Meta(gt=0, le=1, description="of one sheave turning under load")] = 1.0
+    line_pull: Annotated[Force | None, Meta(gt=0, description="largest pull of the winch on the rope")] = None
+    hook_mass: Annotated[Mass, Meta(ge=0, description="hook block and what hangs above the load")] = 0.0
 
 
 class Slew(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -119,6 +131,38 @@ class RatedLoad(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     radius: Annotated[Length, Meta(gt=0, description="from the slewing axis")]
     mass: Annotated[Mass, Meta(gt=0, description="on the hook")]
+
+
+class JointMoment(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What the structure bears about a joint."""
+
+    joint: Annotated[str, Meta(description="name of the joint")]
+    moment: Annotated[Torque, Meta(gt=0, description="allowable moment of all that hangs outboard, dynamics in")]
+
+
+class Rating(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What bounds the loads besides cylinders, rope and winch, and the conditions that the load chart is drawn for."""
+
+    harbour_factor: Annotated[
+        Ratio, Meta(ge=1, le=3, description="dynamic factor in harbour, and the least at sea")
+    ] = 1.0
+    wave_heights: Annotated[
+        tuple[Length, ...], Meta(description="significant wave heights Hs with a curve of their own")
+    ] = (1.0, 1.5, 2.0, 2.5)
+    tip_speed_per_height: Annotated[
+        Frequency, Meta(ge=0, description="vertical speed of the tip per metre of Hs, from the ship's motion")
+    ] = 0.0
+    heel: Annotated[Angle, Meta(ge=0, le=0.35, description="heel (or trim) with the load outboard")] = 0.0
+    slew_moment: Annotated[
+        Torque | None, Meta(gt=0, description="allowable overturning moment of the slewing ring, dynamics in")
+    ] = None
+    load_moment: Annotated[
+        Torque | None, Meta(gt=0, description="allowable weight of load and hook block times radius")
+    ] = None
+    heeling_moment: Annotated[
+        Torque | None, Meta(gt=0, description="what the ship's stability allows: load and hook over the side")
+    ] = None
+    structure: Annotated[tuple[JointMoment, ...], Meta(description="what the structure bears, joint by joint")] = ()
 
 
 class Source(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -138,7 +182,8 @@ class Crane(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     links: Annotated[tuple[Link, ...], Meta(min_length=1, description="the chain, from the foot to the tip")]
     cylinders: tuple[Cylinder, ...]
     hoist: Hoist
-    slew: Slew
+    slew: Annotated[Slew | None, Meta(description="absent if the crane does not slew")] = None
+    rating: Rating = field(default_factory=Rating)
     bulk_modulus: Annotated[Pressure, Meta(gt=0, description="effective bulk modulus of oil with its hoses")]
     pedestal: Annotated[Point, Meta(description="the foot in the ship's frame: from midship at the waterline")]
     capacity: Annotated[tuple[RatedLoad, ...], Meta(min_length=1, description="rated load, by growing radius")]

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from seacrane.design.crane import Attachment, Crane, Cylinder, Joint
+from seacrane.design.crane import FOOT, Attachment, Crane, Cylinder, Joint
 
 Array = NDArray[np.float64]
 Posture = Mapping[str, float]
@@ -45,8 +45,9 @@ def axis_rotation(axis: Array, angle: float) -> Array:
 
 
 def frames(crane: Crane, posture: Posture) -> dict[str, Frame]:
-    """The frame of every link by its name, for a posture."""
-    frame, result = Frame(np.eye(3), np.zeros(3)), {}
+    """The frame of every link by its name, and of the foot, for a posture."""
+    frame = Frame(np.eye(3), np.zeros(3))
+    result = {FOOT: frame}
     for link in crane.links:
         frame = _moved(frame, link.joint, posture.get(link.joint.name, 0.0))
         result[link.name] = frame

@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from seacrane.design.crane import Crane
+from seacrane.design.crane import FOOT, Crane
 from seacrane.design.geometry import cylinder_range, retracted_length
 from seacrane.design.walk import UNREAD, Tree, Walk, build, label, plain
 from seacrane.errors import Problem, nearest
@@ -75,7 +75,9 @@ def _references(tree: Tree) -> Iterator[tuple[str, Tree]]:
 def _duplicates(tree: Tree) -> list[Problem]:
     links, joints = _names(tree)
     cylinders = [c["name"] for _, c in _named(tree, "cylinders") if "name" in c]
-    return [
+    return [Problem("links", f"{FOOT!r} is the ship's side of the first joint and cannot be a link")] * (
+        FOOT in links
+    ) + [
         Problem(group, f"{name!r} is the name of two {kind}")
         for group, kind, names in (
             ("links", "links", links),
@@ -100,14 +102,24 @@ def _strangers(tree: Tree) -> list[Problem]:
             hint=nearest(at["link"], links),
         )
         for path, at in _references(tree)
-        if "link" in at and at["link"] not in links
+        if "link" in at and at["link"] not in (FOOT, *links)
     ]
     moved = [(f"{path}.moves", cylinder.get("moves")) for path, cylinder in _named(tree, "cylinders")]
-    moved.append(("slew.joint", tree.get("slew", {}).get("joint")))
+    moved.append(("slew.joint", (tree.get("slew") or {}).get("joint")))
     found += [
         Problem(path, "moves a joint that the crane does not have", value=joint, hint=nearest(joint, joints))
         for path, joint in moved
         if joint is not None and joint not in joints
+    ]
+    found += [
+        Problem(
+            f"rating.{path}.joint",
+            "is not a joint of the crane",
+            value=item["joint"],
+            hint=nearest(item["joint"], joints),
+        )
+        for path, item in _named(tree.get("rating") or {}, "structure")
+        if "joint" in item and item["joint"] not in joints
     ]
     return found
 
@@ -187,7 +199,7 @@ def _joint(path: str, joint: Tree) -> list[Problem]:
 def _between(tree: Tree, path: str, cylinder: Tree) -> list[Problem]:
     """A cylinder turns the joint it moves only if that joint lies between its two pins."""
     chain = [(link.get("name"), link.get("joint", {}).get("name")) for _, link in _named(tree, "links")]
-    place = {name: i for i, (name, _) in enumerate(chain)}
+    place = {FOOT: -1} | {name: i for i, (name, _) in enumerate(chain)}
     base, eye = (place.get(cylinder.get(end, {}).get("link")) for end in ("base", "eye"))
     moved = next((i for i, (_, joint) in enumerate(chain) if joint == cylinder.get("moves")), None)
     if moved is None or base is None or eye is None:

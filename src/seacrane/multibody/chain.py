@@ -18,7 +18,7 @@ from typing import Any
 
 import casadi as ca
 
-from seacrane.design import Link
+from seacrane.design import FOOT, Link
 from seacrane.multibody.spatial import motion_cross, motion_transform, rigid_inertia, rotation
 from seacrane.units import GRAVITY
 
@@ -63,8 +63,9 @@ class BaseMotion:
 
 
 def frames(links: Sequence[Link], q: Any) -> dict[str, Frame]:
-    """Pose of every link by name, in foot axes; q: (n,) joint angles [rad] and extensions [m]."""
-    axes, origin, poses = ca.DM.eye(3), ca.DM(3, 1), {}
+    """Pose of every link by name, and of the foot, in foot axes; q: (n,) joint angles [rad] and extensions [m]."""
+    axes, origin = ca.DM.eye(3), ca.DM(3, 1)
+    poses = {FOOT: Frame(axes, origin)}
     for i, link in enumerate(links):
         turn, step = _joint_pose(link, q[i])
         origin = origin + axes @ step

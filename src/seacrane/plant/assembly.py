@@ -19,7 +19,8 @@ from seacrane import fmi
 from seacrane.control import Joystick
 from seacrane.control.joystick import Axis
 from seacrane.cosim import FmuSlave, FunctionSlave, ModelSlave, System
-from seacrane.design import Crane, Cylinder, geometry
+from seacrane.design import Crane, Cylinder, Slew, geometry
+from seacrane.errors import StructureError
 from seacrane.model import Dae, Diagram
 from seacrane.model import build as compiled
 from seacrane.multibody import Equilibrium, crane_mechanics, static_equilibrium
@@ -28,6 +29,9 @@ from seacrane.units import Length, Mass, deg
 from seacrane.vessel import Fixed, Harmonic
 
 from .drives import DEAD_BAND, Hydraulics, cylinder_drive, slew_drive, winch_drive
+
+JOINTS = ("slew", "luff", "jib")
+"""The joints of a knuckle boom crane, for which the operator's control is made."""
 
 POSTURE = {"slew": 90 * deg, "luff": 50 * deg, "jib": -70 * deg}
 """Where a crane starts unless told otherwise: over the side, boom half up, jib folded."""
@@ -61,7 +65,9 @@ def build(
 
     Slaves: `ship`, `joystick`, `slew_drive`, one drive for each cylinder set, `winch_drive`, `crane`. Drives are
     exported as FMUs (kept in the cache) and run from there. Bonds: one for each drive and six at the crane's foot.
+    `StructureError` for a crane of a type that has no plant yet.
     """
+    check(crane)
     start, hydraulics = start or Start(POSTURE), hydraulics or Hydraulics()
     joints = start.joints(crane)
     rest = static_equilibrium(crane, joints, start.load, start.hanging)
@@ -76,10 +82,25 @@ def build(
     return system
 
 
+def check(crane: Crane) -> Slew:
+    """The slewing gear of a knuckle boom crane; `StructureError` that names the joints of any other crane."""
+    joints = tuple(joint.name for joint in crane.joints)
+    moved = {cylinder.moves for cylinder in crane.cylinders}
+    if crane.slew is None or joints != JOINTS or crane.slew.joint != JOINTS[0] or moved != set(JOINTS[1:]):
+        raise StructureError.at(
+            f"{crane.name}: links",
+            "only a knuckle boom crane can be operated so far: slewing, and luffing and jib by cylinders",
+            value=", ".join(joints),
+            allowed=", ".join(JOINTS),
+            hint="Its mechanics run alone: multibody.crane_mechanics(crane).",
+        )
+    return crane.slew
+
+
 def _rotors(crane: Crane, mechanics: Dae, hydraulics: Hydraulics) -> dict[str, float]:
     """The motors' inertia, which the mechanics hold because they hold the speed, on top of what turns there anyway."""
     bare = {v.name: v.start for v in mechanics.parameters}
-    slew, drum = f"{crane.slew.joint}.rotor_inertia", "drum.inertia"
+    slew, drum = f"{check(crane).joint}.rotor_inertia", "drum.inertia"
     return {
         slew: bare[slew] + hydraulics.slew.reflected_inertia,
         drum: bare[drum] + hydraulics.winch.reflected_inertia,
@@ -91,7 +112,7 @@ def drives(crane: Crane, rest: Equilibrium, start: Start, hydraulics: Hydraulics
     cylinders = [
         cylinder_drive(crane, c, rest, extension(crane, c, start.posture), hydraulics) for c in crane.cylinders
     ]
-    return [slew_drive(crane, hydraulics), *cylinders, winch_drive(crane, rest, hydraulics)]
+    return [slew_drive(check(crane), crane.bulk_modulus, hydraulics), *cylinders, winch_drive(crane, rest, hydraulics)]
 
 
 def extension(crane: Crane, cylinder: Cylinder, posture: Mapping[str, float]) -> Length:
@@ -136,7 +157,7 @@ def _couple(system: System, crane: Crane) -> None:
     for measured in ("luff", "jib", "rope.unstretched_length", "rope.hanging", "rope.tension"):
         system.connect(f"crane.{measured}", f"joystick.{measured}")
 
-    joint = crane.slew.joint
+    joint = check(crane).joint
     _bond(system, "slew", "slew_drive", ("torque", f"{joint}.torque"), (f"{joint}_rate", "speed"))
     for cylinder in crane.cylinders:
         name = cylinder.name.removesuffix("_cylinder")

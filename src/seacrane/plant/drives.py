@@ -17,7 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from math import pi
 
-from seacrane.design import Crane, Cylinder
+from seacrane.design import Crane, Cylinder, Slew
 from seacrane.library import hydraulics as hyd
 from seacrane.library import mechanics as mech
 from seacrane.library import signals as sig
@@ -133,10 +133,10 @@ def cylinder_drive(crane: Crane, cylinder: Cylinder, start: Equilibrium, extensi
     return drive
 
 
-def slew_drive(crane: Crane, h: Hydraulics) -> Diagram:
+def slew_drive(slew: Slew, bulk_modulus: Pressure, h: Hydraulics) -> Diagram:
     """The slewing gear: inputs `spool`, `speed` of the column; output `torque` on it. It starts unloaded."""
-    flow = h.slew.per_radian * crane.slew.speed
-    drive = Diagram("slew_drive", bulk_modulus=crane.bulk_modulus)
+    flow = h.slew.per_radian * slew.speed
+    drive = Diagram("slew_drive", bulk_modulus=bulk_modulus)
     motor = drive.add("motor", _motor(h.slew))
     # A closed centre, or the column would turn freely; leakage of the edges keeps both lines near half the supply.
     line_a, line_b = _valve(drive, UNLOADED_SHARE * flow, h, pressure=0.5 * h.supply)

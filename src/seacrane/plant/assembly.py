@@ -30,8 +30,8 @@ from seacrane.vessel import Fixed, Harmonic
 
 from .drives import DEAD_BAND, Hydraulics, cylinder_drive, slew_drive, winch_drive
 
-JOINTS = ("slew", "luff", "jib")
-"""The joints of a knuckle boom crane, for which the operator's control is made."""
+JOINTS = ("luff", "jib")
+"""The joints of a knuckle boom crane after slewing, for which the operator's control is made."""
 
 POSTURE = {"slew": 90 * deg, "luff": 50 * deg, "jib": -70 * deg}
 """Where a crane starts unless told otherwise: over the side, boom half up, jib folded."""
@@ -86,12 +86,12 @@ def check(crane: Crane) -> Slew:
     """The slewing gear of a knuckle boom crane; `StructureError` that names the joints of any other crane."""
     joints = tuple(joint.name for joint in crane.joints)
     moved = {cylinder.moves for cylinder in crane.cylinders}
-    if crane.slew is None or joints != JOINTS or crane.slew.joint != JOINTS[0] or moved != set(JOINTS[1:]):
+    if crane.slew is None or joints != (crane.slew.joint, *JOINTS) or moved != set(JOINTS):
         raise StructureError.at(
             f"{crane.name}: links",
             "only a knuckle boom crane can be operated so far: slewing, and luffing and jib by cylinders",
             value=", ".join(joints),
-            allowed=", ".join(JOINTS),
+            allowed=", ".join(("the slewing joint", *JOINTS)),
             hint="Its mechanics run alone: multibody.crane_mechanics(crane).",
         )
     return crane.slew

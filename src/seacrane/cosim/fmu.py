@@ -58,9 +58,10 @@ class FmuSlave(Slave):
             real = v.type in _REALS and not v.dimensions
             if group == "independent":
                 continue
-            if v.type in _NO_NUMBERS or v.dimensions or symbol is None or (not real and group in ("input", "output")):
+            signal = real and not v.negated
+            if v.type in _NO_NUMBERS or v.dimensions or symbol is None or (not signal and group != "parameter"):
                 left_out[v.name] = _why_not(v)
-            elif group == "parameter" or real:
+            else:
                 groups.setdefault(group, []).append(_variable(v, symbol))
                 if group == "local" and v.start is not None:
                     groups["start"].append(_variable(v, symbol))
@@ -185,6 +186,8 @@ def _why_not(v: fmi.Variable) -> str:
     """Why a variable cannot be exchanged."""
     if v.dimensions:
         return f"it is an array of {v.type}"
+    if v.negated:
+        return "it is the negative of another variable"
     return f"its unit {v.unit!r} is unknown here" if v.type in _REALS else f"it is {v.type}"
 
 

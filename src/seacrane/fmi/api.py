@@ -1,11 +1,11 @@
-"""The C functions of FMI 2.0 and 3.0 as ctypes sees them, and the loading of an FMU's library."""
+"""The C functions of FMI 1.0, 2.0 and 3.0 as ctypes sees them, and the loading of an FMU's library."""
 
 from __future__ import annotations
 
+import _ctypes
 import ctypes
 from collections.abc import Mapping
 from ctypes import (
-    CFUNCTYPE,
     POINTER,
     c_bool,
     c_char_p,
@@ -29,15 +29,18 @@ from typing import Any, Final
 
 from seacrane.errors import FmuError, Problem
 
-Logger2 = CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)
-Logger3 = CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
+
+class Callbacks1(ctypes.Structure):
+    """fmiCallbackFunctions of FMI 1.0 for Co-Simulation."""
+
+    _fields_ = (("logger", c_void_p), ("allocate", c_void_p), ("free", c_void_p), ("step_finished", c_void_p))
 
 
 class Callbacks2(ctypes.Structure):
     """fmi2CallbackFunctions."""
 
     _fields_ = (
-        ("logger", Logger2),
+        ("logger", c_void_p),
         ("allocate", c_void_p),
         ("free", c_void_p),
         ("step_finished", c_void_p),
@@ -49,7 +52,8 @@ class Callbacks2(ctypes.Structure):
 class Api:
     """A version of the interface: the arguments of its functions and the C types of its values.
 
-    Functions are named without their prefix. `state` are those that an FMU need not have.
+    Functions are named without their prefix. `state` are those that an FMU need not have, in the order get, set, free,
+    measure, serialise and deserialise; so are `derivatives`.
     """
 
     prefix: str
@@ -58,11 +62,46 @@ class Api:
     slave: Mapping[str, list[Any]]
     model: Mapping[str, list[Any]]
     state: Mapping[str, list[Any]]
+    derivatives: Mapping[str, list[Any]]
     creators: tuple[str, str]
     """The functions that make an instance for co-simulation and for model exchange."""
+    free: str = "FreeInstance"
+    terminate: str = "Terminate"
+    reset: str = "Reset"
+
+    def of_type(self, kind: str) -> str:
+        """The type of the functions that set and get variables of this type."""
+        return kind if kind != "Enumeration" else "Int64" if self is FMI3 else "Integer"
 
 
 _ARRAY: Final = [c_void_p, c_void_p, c_size_t]
+
+_ORDERS: Final = [*_ARRAY, c_void_p, c_void_p]
+_SENSITIVITY: Final = [*_ARRAY, c_void_p, c_size_t]
+
+FMI1: Final = Api(
+    "fmi",
+    {"Real": c_double, "Integer": c_int, "Boolean": c_int8, "String": c_char_p},
+    {
+        "InitializeSlave": [c_void_p, c_double, c_int8, c_double],
+        "TerminateSlave": [c_void_p],
+        "ResetSlave": [c_void_p],
+        **{
+            f"{verb}{kind}": [*_ARRAY, c_void_p]
+            for verb in ("Get", "Set")
+            for kind in ("Real", "Integer", "Boolean", "String")
+        },
+    },
+    {"DoStep": [c_void_p, c_double, c_double, c_int8]},
+    {},
+    {},
+    {"SetRealInputDerivatives": _ORDERS, "GetRealOutputDerivatives": _ORDERS},
+    ("InstantiateSlave", ""),
+    "FreeSlaveInstance",
+    "TerminateSlave",
+    "ResetSlave",
+)
+"""FMI 1.0 for Co-Simulation; a step takes its `newStep` where FMI 2.0 has `noSetFMUStatePriorToCurrentPoint`."""
 
 FMI2: Final = Api(
     "fmi2",
@@ -99,6 +138,11 @@ FMI2: Final = Api(
         "SerializedFMUstateSize": [c_void_p, c_void_p, POINTER(c_size_t)],
         "SerializeFMUstate": [c_void_p, c_void_p, c_char_p, c_size_t],
         "DeSerializeFMUstate": [c_void_p, c_char_p, c_size_t, POINTER(c_void_p)],
+    },
+    {
+        "GetDirectionalDerivative": [*_ARRAY, c_void_p, c_size_t, c_void_p, c_void_p],
+        "SetRealInputDerivatives": _ORDERS,
+        "GetRealOutputDerivatives": _ORDERS,
     },
     ("Instantiate", "Instantiate"),
 )
@@ -147,40 +191,74 @@ FMI3: Final = Api(
         "SerializeFMUState": [c_void_p, c_void_p, c_char_p, c_size_t],
         "DeserializeFMUState": [c_void_p, c_char_p, c_size_t, POINTER(c_void_p)],
     },
+    {
+        "GetDirectionalDerivative": [*_SENSITIVITY, c_void_p, c_size_t, c_void_p, c_size_t],
+        "GetAdjointDerivative": [*_SENSITIVITY, c_void_p, c_size_t, c_void_p, c_size_t],
+        "GetOutputDerivatives": [*_ORDERS, c_size_t],
+    },
     ("InstantiateCoSimulation", "InstantiateModelExchange"),
 )  # fmt: skip
 
+BY_VERSION: Final = {"1.0": FMI1, "2.0": FMI2, "3.0": FMI3}
+
+_CREATE1: Final = [c_char_p, c_char_p, c_char_p, c_char_p, c_double, c_int8, c_int8, Callbacks1, c_int8]
 _CREATE2: Final = [c_char_p, c_int, c_char_p, c_char_p, POINTER(Callbacks2), c_int, c_int]
 _CREATE3: Final = [c_char_p, c_char_p, c_char_p, c_bool, c_bool]
 
 
-def load(path: Path, fmu: str, api: Api, exchange: bool) -> ctypes.CDLL:
+class Library:
+    """The library of an FMU; its functions are named as in `Api`, without their prefix."""
+
+    def __init__(self, loaded: ctypes.CDLL, prefix: str) -> None:
+        self.loaded = loaded
+        self.prefix = prefix
+
+    def has(self, name: str) -> bool:
+        return hasattr(self.loaded, self.prefix + name)
+
+    def function(self, name: str) -> Any:
+        return getattr(self.loaded, self.prefix + name)
+
+    def address(self, name: str) -> int | None:
+        """Where a function is, None if there is none of this name."""
+        return address(self.function(name)) if self.has(name) else None
+
+    def unload(self) -> None:
+        """What ctypes itself never does: many loads would fill the memory."""
+        _ctypes.dlclose(self.loaded._handle)
+
+
+def load(path: Path, fmu: str, api: Api, identifier: str, exchange: bool) -> Library:
     """The library with its functions declared. `FmuError` if it does not load or lacks any of them."""
     try:
-        library = ctypes.CDLL(str(path))
+        loaded = ctypes.CDLL(str(path))
     except OSError as error:
         reason = str(error).replace(str(path.parent) + "/", "")
         raise FmuError.at(
             fmu, f"its library cannot be loaded: {reason}", hint="It may be built for another system or lack a library."
         ) from None
+    library = Library(loaded, f"{identifier}_{api.prefix}" if api is FMI1 else api.prefix)
     creator = api.creators[int(exchange)]
     needed = {**api.common, **(api.model if exchange else api.slave)}
-    missing = [n for n in (creator, "FreeInstance", *needed) if not hasattr(library, api.prefix + n)]
+    missing = [name for name in (creator, api.free, *needed) if not library.has(name)]
     if missing:
-        raise FmuError(Problem(fmu, f"its library lacks the function {api.prefix}{name}") for name in missing)
-    create = getattr(library, api.prefix + creator)
+        library.unload()
+        raise FmuError(Problem(fmu, f"its library lacks the function {library.prefix}{name}") for name in missing)
+    create = library.function(creator)
     create.restype = c_void_p
-    if api is FMI2:
+    if api is FMI1:
+        create.argtypes = _CREATE1
+    elif api is FMI2:
         create.argtypes = _CREATE2
     elif exchange:
-        create.argtypes = [*_CREATE3, c_void_p, Logger3]
+        create.argtypes = [*_CREATE3, c_void_p, c_void_p]
     else:
-        create.argtypes = [*_CREATE3, c_bool, c_bool, c_void_p, c_size_t, c_void_p, Logger3, c_void_p]
-    free = getattr(library, f"{api.prefix}FreeInstance")
+        create.argtypes = [*_CREATE3, c_bool, c_bool, c_void_p, c_size_t, c_void_p, c_void_p, c_void_p]
+    free = library.function(api.free)
     free.restype, free.argtypes = None, [c_void_p]
-    for name, arguments in {**needed, **api.slave, **api.model, **api.state}.items():
-        if hasattr(library, api.prefix + name):  # what is needed is there; an FMU that saves no state may lack the rest
-            function = getattr(library, api.prefix + name)
+    for name, arguments in {**needed, **api.slave, **api.model, **api.state, **api.derivatives}.items():
+        if library.has(name):  # what is needed is there; an FMU that saves no state may lack the rest
+            function = library.function(name)
             function.restype, function.argtypes = c_int, arguments
     return library
 

@@ -3,14 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import TypeVar
+from collections.abc import Callable, Mapping
+from typing import Final, TypeVar
 
 from seacrane.errors import Problem
-from seacrane.fmi.description import Experiment, UnitDefinition
+from seacrane.fmi.description import Experiment, Scalar, UnitDefinition
 from seacrane.fmi.xml import EXPONENTS, FILE, Element
 
 T = TypeVar("T")
+
+_INHERITED: Final[tuple[str, ...]] = (
+    "quantity",
+    "unit",
+    "displayUnit",
+    "relativeQuantity",
+    "unbounded",
+    "min",
+    "max",
+    "nominal",
+)
+"""Attributes that a variable takes from its declared type if it does not give them itself."""
 
 
 def at(line: int) -> str:
@@ -99,8 +111,47 @@ def to_boolean(text: str) -> bool:
     return text.strip() in ("true", "1")
 
 
+def inherited(element: Element, types: Mapping[str, Element]) -> Element:
+    """The element of a variable's type with what its declared type says beside its own attributes."""
+    declared = types.get(element.attributes.get("declaredType", ""))
+    if declared is None:
+        return element
+    taken = {name: declared.attributes[name] for name in _INHERITED if name in declared.attributes}
+    return Element(element.tag, {**taken, **element.attributes}, element.line, element.children)
+
+
+def typed_element(reader: Reader, variable: Element, tags: tuple[str, ...], types: Mapping[str, Element]) -> Element:
+    """The element below a <ScalarVariable> of FMI 1.0 and 2.0 that says of which type it is."""
+    typed = next((child for child in variable.children if child.tag in tags), None)
+    if typed is None:
+        reader.found(variable, "<ScalarVariable> has no type", allowed=", ".join(tags))
+        return Element("Real", {}, variable.line)
+    return inherited(typed, types)
+
+
+def start_value(reader: Reader, typed: Element) -> Scalar | None:
+    """The start value of a scalar of FMI 1.0 or 2.0."""
+    if typed.tag == "Real":
+        return reader.number(typed, "start")
+    if typed.tag == "Boolean":
+        return reader.convert(typed, "start", to_boolean, "true or false")
+    if typed.tag == "String":
+        return typed.attributes.get("start")
+    return reader.integer(typed, "start")
+
+
+def enumeration_items(reader: Reader, declared: Element | None) -> Mapping[str, int]:
+    """The items of an enumeration by name; in FMI 1.0 they have no value and count from 1."""
+    items = {}
+    for place, item in enumerate(declared.all("Item") if declared else (), start=1):
+        value = reader.integer(item, "value")
+        items[reader.text(item, "name", None)] = place if value is None else value
+    return items
+
+
 def definition(reader: Reader, element: Element) -> UnitDefinition:
-    base = element.first("BaseUnit") or Element("BaseUnit", {}, element.line)
+    given = element.first("BaseUnit")
+    base = given or Element("BaseUnit", {}, element.line)
     display = {}
     for shown in element.all("DisplayUnit"):
         factor, offset = reader.number(shown, "factor"), reader.number(shown, "offset")
@@ -108,7 +159,7 @@ def definition(reader: Reader, element: Element) -> UnitDefinition:
     factor = reader.number(base, "factor")
     return UnitDefinition(
         reader.text(element, "name", None),
-        {key: value for key in EXPONENTS if (value := reader.integer(base, key))},
+        {key: value for key in EXPONENTS if (value := reader.integer(base, key))} if given else None,
         1.0 if factor is None else factor,
         reader.number(base, "offset") or 0.0,
         display,

@@ -1,4 +1,4 @@
-"""Whether an FMU keeps FMI 2.0 or 3.0: all findings at once, each with the section of the standard."""
+"""Whether an FMU keeps FMI 1.0, 2.0 or 3.0: all findings at once, each with the section of the standard."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def _files(d: ModelDescription, names: list[str]) -> Iterator[Problem]:
     if not kinds and not d.scheduled_execution:
         yield _problem(d, FILE, "has neither <CoSimulation> nor <ModelExchange>", "2.2.1")
     if not d.guid:
-        yield _problem(d, FILE, f"the {'guid' if d.fmi_version == '2.0' else 'instantiationToken'} is empty", "2.2.1")
+        yield _problem(d, FILE, f"the {'instantiationToken' if d.fmi_version == '3.0' else 'guid'} is empty", "2.2.1")
     present = platforms(names)
     if kinds and not present and not has_sources(names):
         yield _problem(d, "binaries", "there is neither a binary nor a source file", "2.3")
@@ -113,8 +113,9 @@ def _variables(d: ModelDescription) -> Iterator[Problem]:
     for v in d.variables:
         if not fits(v.name):
             yield _problem(d, v.name, f"the name does not keep the {d.naming} naming convention", "2.2.9")
-        yield from _attributes(d, v)
-        yield from _start(d, v)
+        if d.fmi_version != "1.0":  # which has other causalities and variabilities, and no `initial`
+            yield from _attributes(d, v)
+        yield from _limits(d, v)
         if v.derivative is not None and not 1 <= v.derivative <= len(d.variables):
             yield _problem(d, v.name, "is the derivative of a variable that does not exist", "2.2.7", v.derivative)
         if v.declared_type is not None and v.declared_type not in d.types:
@@ -122,12 +123,12 @@ def _variables(d: ModelDescription) -> Iterator[Problem]:
     independent = [v.name for v in d.variables if v.causality == "independent"]
     if len(independent) > 1:
         yield _problem(d, ", ".join(independent), "only one variable may be independent", "2.2.7")
-    if not independent and d.fmi_version != "2.0":
+    if not independent and d.fmi_version == "3.0":
         yield _problem(d, "ModelVariables", "there must be an independent variable", "2.2.7")
 
 
 def _attributes(d: ModelDescription, v: Variable) -> Iterator[Problem]:
-    allowed = (_ALLOWED if d.fmi_version == "2.0" else _ALLOWED3)[v.causality]
+    allowed = (_ALLOWED3 if d.fmi_version == "3.0" else _ALLOWED)[v.causality]
     if v.type == "Clock":
         return
     if v.variability not in allowed:
@@ -138,16 +139,16 @@ def _attributes(d: ModelDescription, v: Variable) -> Iterator[Problem]:
         yield _problem(d, v.name, message, "2.2.7", v.initial, allowed[v.variability].replace(" ", ", ") or "none")
     if v.variability == "continuous" and v.type not in REALS:
         yield _problem(d, v.name, f"is {v.type}, which cannot be continuous", "2.2.7")
+    needed = v.initial in ("exact", "approx") or v.causality == "input"
+    if needed and v.start is None:
+        yield _problem(d, v.name, "has no start value", "2.2.7")
+
+
+def _limits(d: ModelDescription, v: Variable) -> Iterator[Problem]:
     if v.minimum is not None and v.maximum is not None and v.minimum > v.maximum:
         yield _problem(d, v.name, f"its minimum {v.minimum:g} is above its maximum {v.maximum:g}", "2.2.7")
     if v.nominal is not None and not v.nominal > 0:
         yield _problem(d, v.name, "its nominal value is not positive", "2.2.7", v.nominal)
-
-
-def _start(d: ModelDescription, v: Variable) -> Iterator[Problem]:
-    needed = v.initial in ("exact", "approx") or v.causality == "input"
-    if needed and v.start is None and v.type != "Clock":
-        yield _problem(d, v.name, "has no start value", "2.2.7")
     if v.start is not None and (v.initial == "calculated" or v.causality == "independent"):
         yield _problem(d, v.name, f"is {v.initial or v.causality} and must not have a start value", "2.2.7", v.start)
     if isinstance(v.start, (int, float)) and not isinstance(v.start, bool):
@@ -160,7 +161,7 @@ def _start(d: ModelDescription, v: Variable) -> Iterator[Problem]:
 
 
 def _aliases(d: ModelDescription) -> Iterator[Problem]:
-    if d.fmi_version != "2.0":
+    if d.fmi_version == "3.0":
         yield from _unique_references(d)
         return
     groups: dict[tuple[str, int], list[Variable]] = {}
@@ -219,6 +220,8 @@ def _structure(d: ModelDescription) -> Iterator[Problem]:
         return
     outputs = {i for i, v in enumerate(d.variables, start=1) if v.causality == "output" and v.alias_of is None}
     yield from _same(d, "Outputs", outputs, {u.index for u in d.outputs}, "the variables of causality output")
+    if d.fmi_version == "1.0":
+        return  # it lists no derivatives and no unknowns of the initialization
     for unknown in d.derivatives:
         v = d.variables[unknown.index - 1]
         if v.derivative is None:

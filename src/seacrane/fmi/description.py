@@ -1,4 +1,4 @@
-"""What an FMU says of itself: the model description of FMI 2.0 or 3.0 as typed, frozen data."""
+"""What an FMU says of itself: the model description of FMI 1.0, 2.0 or 3.0 as typed, frozen data."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Final
+
+from seacrane.errors import FmuError, nearest
 
 Scalar = float | int | bool | str | bytes
 Value = Scalar | tuple[Scalar, ...]
@@ -18,6 +20,13 @@ TYPES3: Final = (
     "Boolean", "String", "Binary", "Enumeration", "Clock",
 )  # fmt: skip
 REALS: Final = ("Real", "Float32", "Float64")
+INTEGERS: Final = {
+    **{f"Int{bits}": (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1) for bits in (8, 16, 32, 64)},
+    **{f"UInt{bits}": (0, 2**bits - 1) for bits in (8, 16, 32, 64)},
+    "Integer": (-(2**31), 2**31 - 1),
+    "Enumeration": (-(2**31), 2**31 - 1),
+}
+"""The least and the greatest value of each type of whole numbers; an enumeration with items takes only those."""
 CAUSALITIES: Final = ("parameter", "calculatedParameter", "input", "output", "local", "independent")
 CAUSALITIES3: Final = (*CAUSALITIES, "structuralParameter")
 VARIABILITIES: Final = ("constant", "fixed", "tunable", "discrete", "continuous")
@@ -28,11 +37,12 @@ INITIALS: Final = ("exact", "approx", "calculated")
 class UnitDefinition:
     """A unit: exponents of the SI base units (and rad), factor and offset to them, and its display units.
 
-    value in base units = factor * value + offset; a display unit maps to its own (factor, offset) from the unit.
+    value in base units = factor * value + offset; a display unit maps to its own (factor, offset) from the unit. The
+    exponents are None if the file does not say them (FMI 1.0 cannot).
     """
 
     name: str
-    exponents: Mapping[str, int] = field(default_factory=dict)
+    exponents: Mapping[str, int] | None = field(default_factory=dict)
     factor: float = 1.0
     offset: float = 0.0
     display: Mapping[str, tuple[float, float]] = field(default_factory=dict)
@@ -50,10 +60,13 @@ class Dimension:
 class Variable:
     """A variable of an FMU; `initial` is what the standard gives as default if the file does not say.
 
-    `type` is that of the file: Real, Integer, Boolean, String or Enumeration in FMI 2.0; Float64, Int32, Binary, Clock
-    and so on in FMI 3.0. `derivative` is the 1-based index of the state of which this is the time derivative. `shape`
-    is that at the start values of the structural parameters; of a scalar it is empty. `alias_of` names the variable
-    under which FMI 3.0 lists this one as an alias.
+    `type` is that of the file: Real, Integer, Boolean, String or Enumeration in FMI 1.0 and 2.0; Float64, Int32,
+    Binary, Clock and so on in FMI 3.0. `derivative` is the 1-based index of the state of which this is the time
+    derivative. `shape` is that at the start values of the structural parameters; of a scalar it is empty. `alias_of`
+    names the variable under which FMI 3.0 lists this one as an alias. `items` are those of an enumeration, by name.
+    `negated` tells that FMI 1.0 gives this one the opposite of the value behind its value reference.
+
+    Unit, display unit, bounds and nominal value are those of the declared type where the variable has none of its own.
     """
 
     name: str
@@ -75,6 +88,8 @@ class Variable:
     dimensions: tuple[Dimension, ...] = ()
     shape: tuple[int, ...] = ()
     alias_of: str | None = None
+    items: Mapping[str, int] = field(default_factory=dict)
+    negated: bool = False
 
     @property
     def count(self) -> int:
@@ -149,7 +164,7 @@ class Experiment:
 class ModelDescription:
     """The whole of modelDescription.xml that matters to one who runs the FMU.
 
-    `guid` is the GUID of FMI 2.0 or the instantiation token of FMI 3.0. Indices of variables are 1-based in both.
+    `guid` is the GUID of FMI 1.0 and 2.0, or the instantiation token of FMI 3.0. Indices of variables are 1-based.
     """
 
     model_name: str
@@ -179,6 +194,12 @@ class ModelDescription:
     def by_name(self) -> Mapping[str, Variable]:
         """The variables by name."""
         return {v.name: v for v in self.variables}
+
+    def variable(self, name: str) -> Variable:
+        """The variable of this name; `FmuError` with the nearest names if there is none."""
+        if name not in self.by_name:
+            raise FmuError.at(self.model_name, f"has no variable {name!r}", hint=nearest(name, self.by_name))
+        return self.by_name[name]
 
     @property
     def inputs(self) -> tuple[Variable, ...]:

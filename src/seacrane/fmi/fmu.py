@@ -9,7 +9,6 @@ with Fmu("pump.fmu") as pump, pump.instantiate("pump1") as run:
 
 from __future__ import annotations
 
-import _ctypes
 import shutil
 import tempfile
 import weakref
@@ -19,7 +18,7 @@ from types import TracebackType
 from typing import Literal, Self
 
 from seacrane.errors import FmuError
-from seacrane.fmi.api import FMI2, FMI3, load
+from seacrane.fmi.api import BY_VERSION, load
 from seacrane.fmi.archive import opened, unpack
 from seacrane.fmi.description import Capabilities, ModelDescription
 from seacrane.fmi.instance import FmuInstance
@@ -36,7 +35,9 @@ def read(path: str | Path) -> ModelDescription:
 
 
 class Fmu:
-    """An FMU of FMI 2.0 or 3.0, unpacked and its library loaded; close it, or use it in a `with` block.
+    """An FMU of FMI 1.0 (co-simulation), 2.0 or 3.0, unpacked and its library loaded.
+
+    Close it, or use it in a `with` block.
 
     An FMU of both kinds is run for co-simulation unless `kind` says otherwise. One for model exchange is integrated
     here, by RODAS with located events.
@@ -50,13 +51,14 @@ class Fmu:
         with opened(self.path) as archive:
             self.description = read_archive(archive)
             self.exchange, self.capabilities = self._choose(kind)
-            self.api = FMI2 if self.description.fmi_version == "2.0" else FMI3
+            self.api = BY_VERSION[self.description.fmi_version]
             binary = self._binary(archive.namelist())
             self.folder = Path(tempfile.mkdtemp(prefix="seacrane-fmu-"))
             self._remove = weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
             try:
                 unpack(archive, self.folder)
-                self.library = load(self.folder / binary, self.path.name, self.api, self.exchange)
+                identifier = self.capabilities.model_identifier
+                self.library = load(self.folder / binary, self.path.name, self.api, identifier, self.exchange)
             except BaseException:
                 self._remove()
                 raise
@@ -67,6 +69,8 @@ class Fmu:
         """Whether for model exchange, and what the FMU can do then."""
         d = self.description
         slave, model = d.co_simulation, d.model_exchange
+        if d.fmi_version == "1.0":
+            self._refuse_version_1(d)
         if kind != "model-exchange" and slave is not None:
             return False, slave
         if kind != "co-simulation" and model is not None:
@@ -79,6 +83,16 @@ class Fmu:
             )
         there = "co-simulation" if slave is not None else "model-exchange"
         raise FmuError.at(self.path.name, f"is not made for {kind}", allowed=there)
+
+    def _refuse_version_1(self, d: ModelDescription) -> None:
+        if d.co_simulation is None:
+            reason = "is for model exchange of FMI 1.0, which is not supported"
+        elif d.co_simulation.needs_execution_tool:
+            reason = "couples a tool that has to be installed (CoSimulation_Tool of FMI 1.0), which is not supported"
+        else:
+            return
+        hint = "Ask for an export as FMI 2.0 or 3.0."
+        raise FmuError.at(self.path.name, reason, allowed="CoSimulation_StandAlone in FMI 1.0", hint=hint)
 
     def _binary(self, names: Sequence[str]) -> str:
         version = self.description.fmi_version
@@ -107,7 +121,7 @@ class Fmu:
         self._remove()
         if not self.open_instances and not self._unloaded:
             self._unloaded = True
-            _ctypes.dlclose(self.library._handle)  # ctypes itself never unloads: many loads would fill the memory
+            self.library.unload()
 
     def __enter__(self) -> Self:
         return self

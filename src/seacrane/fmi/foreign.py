@@ -8,7 +8,7 @@ from functools import cache
 from typing import Any, Final
 
 from seacrane.errors import FmuError, Problem
-from seacrane.fmi.api import FMI2, Api, address
+from seacrane.fmi.api import FMI2, Api, Library
 from seacrane.fmi.description import REALS, ModelDescription
 from seacrane.fmi.reading3 import MOST_ELEMENTS
 from seacrane.native import build_library, source
@@ -43,11 +43,12 @@ _SAVED: Final = slice(State.time.offset, State.message.offset)
 @cache
 def adapter() -> ctypes.CDLL:
     """The compiled adapter. `CompileError` if there is no C compiler."""
-    library = ctypes.CDLL(str(build_library("foreign", source("foreign.c"))))
+    library = ctypes.CDLL(str(build_library("foreign", source("foreign.c", "logger.c"))))
     library.seacrane_foreign_room.restype = c_size_t
     library.seacrane_foreign_room.argtypes = [c_int64, c_int64]
     library.seacrane_foreign_begin.argtypes = [c_void_p, c_double]
     library.seacrane_foreign_open.argtypes = [c_void_p]
+    library.seacrane_foreign_states.argtypes = [c_void_p, c_void_p]
     library.seacrane_foreign_step.argtypes = [c_void_p, c_double, c_double, c_int]
     return library
 
@@ -58,7 +59,7 @@ class Foreign:
     def __init__(
         self,
         name: str,
-        library: Any,
+        library: Library,
         api: Api,
         description: ModelDescription,
         exchange: bool,
@@ -68,14 +69,11 @@ class Foreign:
         self.c = adapter()
         self._memory: Any = (c_double * 0)()
         if event_mode:
-            needed = [f"{api.prefix}{n}" for n in ("EnterEventMode", "UpdateDiscreteStates", "EnterStepMode")]
-            missing = [function for function in needed if not hasattr(library, function)]
+            needed = ("EnterEventMode", "UpdateDiscreteStates", "EnterStepMode")
+            missing = [library.prefix + function for function in needed if not library.has(function)]
             if missing:
                 raise FmuError(Problem(name, f"the library lacks the function {function}") for function in missing)
-
-        def at(name: str) -> int | None:
-            return address(getattr(library, api.prefix + name)) if hasattr(library, api.prefix + name) else None
-
+        at = library.address
         two = api is FMI2
         real = "Real" if two else "Float64"
         state = self.state = State(

@@ -1,31 +1,33 @@
-"""An instance of an FMU that runs, of FMI 2.0 or 3.0, for co-simulation or with our solver for model exchange."""
+"""An instance of an FMU that runs, for co-simulation or with our solver for model exchange."""
 
 from __future__ import annotations
 
 import ctypes
-import logging
-import weakref
-from collections.abc import Mapping, Sequence
-from ctypes import byref, c_size_t, c_uint32, c_void_p
+from collections.abc import Sequence
+from ctypes import byref, c_size_t, c_void_p
 from dataclasses import dataclass
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from seacrane.errors import FmuError, Problem, nearest
-from seacrane.fmi.api import FMI2, FMI3, Callbacks2, Logger2, Logger3, address
-from seacrane.fmi.description import REALS, Variable
+from seacrane.errors import FmuError, Problem
+from seacrane.fmi.api import FMI1, FMI2, FMI3, address
+from seacrane.fmi.component import Component
+from seacrane.fmi.creation import create
+from seacrane.fmi.description import Variable
 from seacrane.fmi.foreign import Foreign
+from seacrane.fmi.logs import ERROR, FATAL, OK, Log
+from seacrane.fmi.sensitivities import Sensitivities
+from seacrane.fmi.values import Name, Values
 
 if TYPE_CHECKING:
     from seacrane.fmi.fmu import Fmu
 
-logger = logging.getLogger(__name__)
-
-STATUS: Final = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
-OK, WARNING, DISCARD, ERROR, FATAL, PENDING = range(6)
-_LEVELS: Final = (logging.INFO, logging.WARNING, logging.WARNING, logging.ERROR, logging.CRITICAL, logging.INFO)
+INSTANTIATED: Final = "before the start"
+INITIALIZING: Final = "in initialization"
+RUNNING: Final = "while it runs"
 
 
 @dataclass(frozen=True)
@@ -41,28 +43,22 @@ class Calls:
     derive: int = 0
 
 
-class FmuInstance:
+class FmuInstance(Sensitivities):
     """A running FMU. Its methods are those of `seacrane.model.native.NativeInstance`.
 
     `calls` are addresses of C functions with the signatures of FMI 2, whatever the version and kind of the FMU, and
     `handle` is what they take first. What the FMU logs goes to Python's logging under this package's name, with the
-    instance's name; the text is passed on as it is, since the arguments of a printf format do not reach Python.
+    instance's name.
     """
 
     def __init__(self, fmu: Fmu, name: str, debug: bool, tolerance: float | None) -> None:
         self.fmu = fmu
         self.name = name
         self.handle: int = 0
-        self._component: int = 0
         self._api = fmu.api
-        self._c = fmu.library
-        self._last_log = ""
-        self._status = OK
-        self._running = False
-        self._resolved: dict[tuple[str | int, ...], Any] = {}
-        self._by_name: Mapping[str, Variable] = fmu.description.by_name
-        reals = ("Real", "Float64")
-        self._by_reference = {v.value_reference: v for v in reversed(fmu.description.variables) if v.type in reals}
+        self._c = Component(fmu.library, Log(name))
+        self._phase = INSTANTIATED
+        self._values = Values(self._c, self._api, fmu.description)
         slave = fmu.description.co_simulation
         self._event_mode = self._api is FMI3 and not fmu.exchange and slave is not None and slave.event_mode
         if tolerance is None:
@@ -70,139 +66,85 @@ class FmuInstance:
         self._foreign: Foreign | None = None
         if fmu.exchange or self._api is FMI3:
             self._foreign = Foreign(
-                name, self._c, self._api, fmu.description, fmu.exchange, self._event_mode, max(tolerance, 1e-12)
+                name, fmu.library, self._api, fmu.description, fmu.exchange, self._event_mode, max(tolerance, 1e-12)
             )
-        self._component = self._create(debug) or 0
-        if not self._component:
-            function = self._api.prefix + self._api.creators[int(fmu.exchange)]
+        component, self._kept = create(fmu, self._c.log, debug, self._event_mode)
+        if not component:
+            function = fmu.library.prefix + self._api.creators[int(fmu.exchange)]
             tool = fmu.description.generation_tool or "the tool that made it"
             hint = f"It needs {tool} to run." if fmu.capabilities.needs_execution_tool else None
-            error = FmuError.at(name, f"{function} gave no instance{self._said()}", hint=hint)
+            error = FmuError.at(name, f"{function} gave no instance{self._c.said}", hint=hint)
             error.function = function
             raise error
+        self._c.pointer = component
         fmu.open_instances += 1
         if self._foreign is None:
-            self.handle = self._component
+            self.handle = component
             names = ["SetReal", "GetReal", "DoStep"]
-            if slave is not None and slave.interpolates_inputs and hasattr(self._c, "fmi2SetRealInputDerivatives"):
+            if slave is not None and slave.interpolates_inputs and fmu.library.has("SetRealInputDerivatives"):
                 names.append("SetRealInputDerivatives")
-            self.calls = Calls(*(address(getattr(self._c, f"fmi2{name}")) for name in names))
+            self.calls = Calls(*(address(fmu.library.function(name)) for name in names))
         else:
             self.handle = self._foreign.handle
-            self._foreign.state.fmu = self._component
+            self._foreign.state.fmu = component
             c = self._foreign.c
             self.calls = Calls(*(address(getattr(c, f"seacrane_foreign_{n}")) for n in ("set", "get", "step")))
 
-    def _create(self, debug: bool) -> int | None:
-        own, name = weakref.ref(self), self.name
+    def set(self, names: Name | Sequence[Name], values: Any) -> None:
+        """Sets variables by name; an array takes all its elements, and `x[2,3]` is one of them (counted from 1).
 
-        def log(status: int, category: bytes | None, message: bytes | None) -> None:
-            text = (message or b"").decode(errors="replace").strip()
-            if (this := own()) is not None and status not in (OK, PENDING):
-                this._last_log = text
-            level = _LEVELS[status] if 0 <= status < len(_LEVELS) else logging.ERROR
-            logger.log(level, "%s: %s [%s]", name, text, (category or b"").decode(errors="replace"))
-
-        resources = self.fmu.folder / "resources"
-        guid = self.fmu.description.guid.encode()
-        create = getattr(self._c, self._api.prefix + self._api.creators[int(self.fmu.exchange)])
-        made: int | None
-        if self._api is FMI2:
-            process = ctypes.CDLL(None)
-            self._logger: Any = Logger2(lambda _, __, status, category, message: log(status, category, message))
-            self._callbacks = Callbacks2(self._logger, address(process.calloc), address(process.free), None, None)
-            kind = 0 if self.fmu.exchange else 1
-            made = create(name.encode(), kind, guid, resources.as_uri().encode(), byref(self._callbacks), 0, int(debug))
-            return made
-        self._logger = Logger3(lambda _, status, category, message: log(status, category, message))
-        folder = f"{resources}/".encode() if resources.is_dir() else None
-        if self.fmu.exchange:
-            made = create(name.encode(), guid, folder, False, debug, None, self._logger)
-        else:
-            mode = self._event_mode
-            made = create(name.encode(), guid, folder, False, debug, mode, mode, None, 0, None, self._logger, None)
-        return made
-
-    def set(self, names: str | int | Sequence[str | int], values: Any) -> None:
-        """Sets variables by name (a number is the value reference of a real one); an array takes all its elements."""
-        single = isinstance(names, (str, int))
-        groups, count = self._resolve(names)
-        given = [values] if single else list(values)
-        if len(given) != count:
-            raise FmuError.at(self.name, f"{count} variables cannot take {len(given)} values")
-        for v in (
-            self._by_name[n] for n in ([names] if isinstance(names, (str, int)) else names) if isinstance(n, str)
-        ):
-            if v.causality == "structuralParameter":
-                raise FmuError.at(self.name, f"{v.name} sizes arrays, and changing it is not supported")
-        if self._running and self._foreign is not None:
+        An enumeration takes the name of an item or its number. A number in place of a name is the value reference of a
+        real variable, which the FMU has to judge. `FmuError` naming all variables that cannot be set now.
+        """
+        keys, given = ([names], [values]) if isinstance(names, (str, int)) else (list(names), list(values))
+        if len(given) != len(keys):
+            raise FmuError.at(self.name, f"{len(keys)} variables cannot take {len(given)} values")
+        found = self._values.find(keys)
+        problems = [
+            problem
+            for key, (v, _) in zip(keys, found, strict=True)
+            if isinstance(key, str) and (problem := self._forbidden(v)) is not None
+        ]
+        if problems:
+            raise FmuError(problems)
+        if self._phase == RUNNING and self._foreign is not None:
             self._adapted("seacrane_foreign_open")
-        for group in groups:
-            flat = [item for i, size in group.places for item in self._flat(given[i], size, names, i)]
-            try:
-                array = (self._api.types[group.kind] * len(flat))(*(_to_c(group.kind, value) for value in flat))
-            except (TypeError, ValueError):
-                raise FmuError.at(self.name, f"a value does not fit the type {group.kind}", value=flat) from None
-            if group.kind == "Binary":
-                kept = [ctypes.create_string_buffer(bytes(value), len(value) or 1) for value in flat]
-                array = (c_void_p * len(flat))(*(ctypes.addressof(block) for block in kept))
-                sizes = (c_size_t * len(flat))(*(len(value) for value in flat))
-                self._call("SetBinary", group.references, len(group.places), sizes, array, len(flat))
-            elif self._api is FMI2:
-                self._call(f"Set{group.kind}", group.references, len(group.places), array)
-            else:
-                self._call(f"Set{group.kind}", group.references, len(group.places), array, len(flat))
+        self._values.set(keys, given)
 
-    def _flat(self, value: Any, size: int | None, names: Any, i: int) -> list[Any]:
-        """The elements of what was given for one variable; `size` is None for a scalar."""
-        if size is None:
-            return [value.item() if isinstance(value, np.ndarray) and value.size == 1 else value]
-        elements = [value] if isinstance(value, (str, bytes)) else list(np.asarray(value, dtype=object).ravel())
-        if len(elements) != size:
-            name = names if isinstance(names, (str, int)) else names[i]
-            raise FmuError.at(self.name, f"{name} has {size} elements and cannot take {len(elements)} values")
-        return elements
-
-    def get(self, names: str | int | Sequence[str | int]) -> Any:
+    def get(self, names: Name | Sequence[Name]) -> Any:
         """The value of one variable, or several: an array if all are real scalars, otherwise a list.
 
-        Of an array variable it is a numpy array of its shape.
+        Of an array variable it is a numpy array of its shape; `x[2,3]` is one of its elements (counted from 1).
         """
-        groups, count = self._resolve(names)
-        values: list[Any] = [None] * count
-        for group in groups:
-            total = sum(1 if size is None else size for _, size in group.places)
-            array = (self._api.types[group.kind] * total)()
-            read: list[Any]
-            if group.kind == "Binary":
-                sizes = (c_size_t * total)()
-                self._call("GetBinary", group.references, len(group.places), sizes, array, total)
-                read = [ctypes.string_at(p, n) if p else b"" for p, n in zip(array, sizes, strict=True)]
-            elif self._api is FMI2:
-                self._call(f"Get{group.kind}", group.references, len(group.places), array)
-                read = list(array)
-            else:
-                self._call(f"Get{group.kind}", group.references, len(group.places), array, total)
-                read = list(array)
-            if group.kind in ("Boolean", "String"):
-                read = [bool(v) if group.kind == "Boolean" else (v or b"").decode(errors="replace") for v in read]
-            start = 0
-            for (i, size), shape in zip(group.places, group.shapes, strict=True):
-                if size is None:
-                    values[i] = read[start]
-                else:
-                    part = read[start : start + size]
-                    values[i] = np.array(part, dtype=None if group.kind != "Binary" else object).reshape(shape)
-                start += 1 if size is None else size
         if isinstance(names, (str, int)):
-            return values[0]
-        scalars = all(g.kind in REALS and all(size is None for _, size in g.places) for g in groups)
-        return np.array(values) if scalars else values
+            return self._values.get([names])[0][0]
+        values, reals = self._values.get(list(names))
+        return np.array(values, dtype=np.float64) if reals else values
+
+    def _forbidden(self, v: Variable) -> Problem | None:
+        """Why a variable cannot be set now (FMI 2.0.4, section 2.2.7 and the state machines; FMI 3.0.1 alike)."""
+        if v.causality == "structuralParameter":
+            return Problem(self.name, f"{v.name} sizes arrays, and changing it is not supported")
+        allowed = "inputs, parameters, and variables whose initial is exact or approx"
+        if self._phase == INSTANTIATED:
+            may = v.causality == "input" or v.initial in ("exact", "approx")
+        elif self._phase == INITIALIZING:
+            may = v.causality == "input" or v.initial == "exact"
+            allowed = "inputs, parameters, and variables whose initial is exact"
+        else:
+            may = v.causality == "input" or (v.causality == "parameter" and v.variability == "tunable")
+            allowed = "inputs and tunable parameters"
+        if may and v.variability != "constant":
+            return None
+        what = f"{v.variability} {v.causality}"
+        what += f" whose initial is {v.initial}" if v.initial and self._phase != RUNNING else ""
+        article = "an" if what[0] in "aeiou" else "a"
+        return Problem(self.name, f"{v.name} is {article} {what} and cannot be set {self._phase}", allowed=allowed)
 
     @property
     def last_log(self) -> str:
         """The last thing the FMU logged with a warning or worse; it may say why a call failed."""
-        return self._last_log or (self._foreign.message if self._foreign is not None else "")
+        return self._c.log.last or (self._foreign.message if self._foreign is not None else "")
 
     def initialize(self, time: float = 0.0, stop: float | None = None, tolerance: float | None = None) -> None:
         """Sets up the experiment and goes through initialization mode; then the slave can be stepped."""
@@ -212,22 +154,31 @@ class FmuInstance:
     def enter_initialization(
         self, time: float = 0.0, stop: float | None = None, tolerance: float | None = None
     ) -> None:
-        """Sets up the experiment and enters initialization mode, in which outputs follow inputs that are set."""
-        known = int(tolerance is not None), tolerance or 0.0, time, int(stop is not None), stop or 0.0
-        if self._api is FMI2:
+        """Sets up the experiment and enters initialization mode, in which outputs follow inputs that are set.
+
+        FMI 1.0 has no such mode: the slave is initialised here, and can be stepped.
+        """
+        end = int(stop is not None), stop or 0.0
+        known = int(tolerance is not None), tolerance or 0.0, time, *end
+        if self._api is FMI1:
+            self._call("InitializeSlave", time, *end)
+        elif self._api is FMI2:
             self._call("SetupExperiment", *known)
             self._call("EnterInitializationMode")
         else:
             self._call("EnterInitializationMode", *known)
         self._time = time
+        self._phase = RUNNING if self._api is FMI1 else INITIALIZING
+        self._values.started(True)
 
     def exit_initialization(self) -> None:
         """Leaves initialization mode, and the events at the start; from now on the instance can be stepped."""
-        self._call("ExitInitializationMode")
+        if self._api is not FMI1:
+            self._call("ExitInitializationMode")
         if self._foreign is not None:
             self._foreign.size(*self._sizes())
             self._adapted("seacrane_foreign_begin", self._time)
-        self._running = True
+        self._phase = RUNNING
 
     def _sizes(self) -> tuple[int, int]:
         """How many continuous states and event indicators the model has."""
@@ -240,10 +191,22 @@ class FmuInstance:
         self._call("GetNumberOfEventIndicators", byref(indicators))
         return states.value, indicators.value
 
+    @property
+    def _state_count(self) -> int:
+        return self._sizes()[0]
+
+    def set_states(self, values: ArrayLike) -> None:
+        """Sets the continuous states of an FMU for model exchange that runs; the solver goes on from there."""
+        if not self.fmu.exchange or self._foreign is None or self._phase != RUNNING:
+            raise FmuError.at(self.name, "only the continuous states of a running FMU for model exchange can be set")
+        given = np.ascontiguousarray(values, dtype=np.float64).reshape(-1)
+        if given.size != self._foreign.state.n or not np.isfinite(given).all():
+            raise FmuError.at(self.name, "states", value=given.tolist(), allowed=f"{self._foreign.state.n} numbers")
+        self._adapted("seacrane_foreign_states", given.ctypes.data)
+
     def note_failure(self, status: int) -> None:
         """Tells that a call through `calls` gave this status, which decides how the slave may still be closed."""
-        if status in (ERROR, FATAL):
-            self._status = max(self._status, status)
+        self._c.note(status)
 
     def step(self, time: float, size: float) -> None:
         """Advances from `time` by `size` [s]. Raises `FmuError`, with the status, if it does not get there."""
@@ -262,7 +225,7 @@ class FmuInstance:
             block = ctypes.create_string_buffer(size.value)
             self._call(serialize, state, block, size)
         finally:
-            getattr(self._c, self._api.prefix + free)(self._live, byref(state))
+            self._c.library.function(free)(self._c.live, byref(state))
         return (self._foreign.save() if self._foreign is not None else b"") + block.raw
 
     def restore(self, saved: bytes) -> None:
@@ -277,24 +240,26 @@ class FmuInstance:
         try:
             self._call(set_, state)
         finally:
-            getattr(self._c, self._api.prefix + free)(self._live, byref(state))
+            self._c.library.function(free)(self._c.live, byref(state))
         if self._foreign is not None:
             self._foreign.restore(saved[:own])
 
     def reset(self) -> None:
         """Back to the start values, as just instantiated."""
-        self._call("Reset")
-        self._running = False
-        self._status = OK
+        self._call(self._api.reset)
+        self._phase = INSTANTIATED
+        self._c.status = OK
+        self._values.started(False)
 
     def close(self) -> None:
         """Terminates and frees the slave; after an error only frees it, after a fatal one neither."""
-        if self._component and self._status != FATAL:
-            if self._running and self._status < ERROR:
-                getattr(self._c, f"{self._api.prefix}Terminate")(self._component)
-            getattr(self._c, f"{self._api.prefix}FreeInstance")(self._component)
+        component, library = self._c.pointer, self.fmu.library
+        if component and self._c.status != FATAL:
+            if self._phase == RUNNING and self._c.status < ERROR:
+                library.function(self._api.terminate)(component)
+            library.function(self._api.free)(component)
             self.fmu.open_instances -= 1
-        self._component = self.handle = 0
+        self._c.pointer = self.handle = 0
 
     def __enter__(self) -> Self:
         return self
@@ -305,96 +270,26 @@ class FmuInstance:
         self.close()
 
     def __del__(self) -> None:
-        if getattr(self, "_component", 0):
+        if hasattr(self, "_c") and self._c.pointer:
             self.close()
-
-    @property
-    def _live(self) -> int:
-        if not self._component:
-            raise FmuError.at(self.name, "the instance is closed")
-        return self._component
 
     def _state_functions(self) -> list[str]:
         """Names of the functions that get, set, free, measure, serialise and deserialise a state."""
         can = self.fmu.capabilities
+        allowed = "canGetAndSetFMUstate and canSerializeFMUstate"
+        if self._api is FMI1:
+            raise FmuError.at(self.name, "the FMU cannot save its state: FMI 1.0 has no functions for it")
         if not (can.saves_state and can.serializes_state):
-            raise FmuError.at(
-                self.name, "the FMU cannot save its state", allowed="canGetAndSetFMUstate and canSerializeFMUstate"
-            )
+            raise FmuError.at(self.name, "the FMU cannot save its state", allowed=allowed)
         return list(self._api.state)
 
     def _call(self, function: str, *arguments: Any) -> None:
-        self._last_log = ""
-        name = self._api.prefix + function
-        self._check(name, getattr(self._c, name)(self._live, *arguments))
+        self._c.call(function, *arguments)
 
     def _adapted(self, function: str, *arguments: Any) -> None:
         """Calls a function of the adapter, which calls several of the FMU."""
         assert self._foreign is not None
-        self._last_log = ""
-        _ = self._live
+        self._c.log.last = ""
+        _ = self._c.live
         status = getattr(self._foreign.c, function)(self._foreign.handle, *arguments)
-        self._check("the step" if function.endswith("step") else "event handling", status, self._foreign.message)
-
-    def _check(self, what: str, status: int, reason: str = "") -> None:
-        if status in (OK, WARNING):
-            return
-        self._status = max(self._status, status) if status in (ERROR, FATAL) else self._status
-        name = STATUS[status] if 0 <= status < len(STATUS) else str(status)
-        error = FmuError.at(self.name, f"{what} returned {name}{f': {reason}' if reason else ''}{self._said()}")
-        error.function, error.status = what, status
-        raise error
-
-    def _said(self) -> str:
-        return f": {self._last_log}" if self._last_log else ""
-
-    def _resolve(self, names: str | int | Sequence[str | int]) -> tuple[list[_Group], int]:
-        """Variables grouped by the type of the functions that set and get them."""
-        key = (names,) if isinstance(names, (str, int)) else tuple(names)
-        found = self._resolved.get(key)
-        if found is None:
-            variables = [self._by_name.get(n) if isinstance(n, str) else self._by_reference.get(n) for n in key]
-            unknown = [n for n, v in zip(key, variables, strict=True) if v is None]
-            if unknown:
-                raise FmuError(
-                    Problem(self.name, f"has no variable {n!r}", hint=nearest(str(n), self._by_name)) for n in unknown
-                )
-            grouped: dict[str, list[tuple[int, Variable]]] = {}
-            for i, v in enumerate(variables):
-                assert v is not None
-                if v.type == "Clock":
-                    raise FmuError.at(self.name, f"{v.name} is a clock, and clocks are not supported")
-                kind = v.type
-                if kind == "Enumeration":
-                    kind = "Integer" if self._api is FMI2 else "Int64"
-                grouped.setdefault(kind, []).append((i, v))
-            found = self._resolved[key] = [
-                _Group(
-                    kind,
-                    [(i, v.count if v.dimensions else None) for i, v in members],
-                    [v.shape for _, v in members],
-                    (c_uint32 * len(members))(*(v.value_reference for _, v in members)),
-                )
-                for kind, members in grouped.items()
-            ]
-        return found, len(key)
-
-
-@dataclass(frozen=True)
-class _Group:
-    """Variables of one type: place among the names and number of elements of each (None for a scalar), references."""
-
-    kind: str
-    places: list[tuple[int, int | None]]
-    shapes: list[tuple[int, ...]]
-    references: Any
-
-
-def _to_c(kind: str, value: Any) -> Any:
-    if kind == "String":
-        return str(value).encode()
-    if kind == "Binary":
-        if not isinstance(value, bytes):
-            raise TypeError(value)
-        return None  # the address is set later
-    return float(value) if kind in REALS else int(value)
+        self._c.check("the step" if function.endswith("step") else "event handling", status, self._foreign.message)

@@ -12,11 +12,12 @@ from seacrane.fmi.archive import description_text, text_of
 from seacrane.fmi.attributes import Reader
 from seacrane.fmi.description import ModelDescription, Terminal
 from seacrane.fmi.platforms import has_sources, platforms
+from seacrane.fmi.reading1 import read1
 from seacrane.fmi.reading2 import read2
 from seacrane.fmi.reading3 import read3
 from seacrane.fmi.xml import FILE, Element, parse_xml
 
-SUPPORTED: Final = "2.0, 3.0"
+SUPPORTED: Final = "1.0, 2.0, 3.0"
 TERMINALS: Final = "terminalsAndIcons/terminalsAndIcons.xml"
 
 
@@ -39,7 +40,9 @@ def read_description(root: Element) -> ModelDescription:
         raise FmuError.at(FILE, f"the root element is <{root.tag}>", allowed="<fmiModelDescription>")
     version = root.attributes.get("fmiVersion")
     reader = Reader()
-    if version == "2.0":
+    if version == "1.0":
+        description = read1(reader, root)
+    elif version == "2.0":
         description = read2(reader, root)
     elif version is not None and is_version_3(version):
         description = read3(reader, root)

@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Final
 
 from seacrane.errors import Problem
-from seacrane.fmi.attributes import Reader, at, definition, experiment, to_boolean
+from seacrane.fmi.attributes import (
+    Reader,
+    definition,
+    enumeration_items,
+    experiment,
+    start_value,
+    typed_element,
+)
 from seacrane.fmi.description import (
     CAUSALITIES,
     INITIALS,
@@ -15,7 +23,6 @@ from seacrane.fmi.description import (
     Experiment,
     ModelDescription,
     ModelExchange,
-    Scalar,
     Unknown,
     Variable,
 )
@@ -28,9 +35,10 @@ MOST_EVENT_INDICATORS: Final = 1_000_000
 def read2(reader: Reader, root: Element) -> ModelDescription:
     """The model description of FMI 2.0 under this root; what is wrong with it is left in the reader."""
     types = {
-        reader.text(simple, "name", None): next((child.attributes.get("unit") for child in simple.children), None)
+        reader.text(simple, "name", None): simple.children[0]
         for group in root.all("TypeDefinitions")
         for simple in group.all("SimpleType")
+        if simple.children
     }
     co_simulation = root.first("CoSimulation")
     model_exchange = root.first("ModelExchange")
@@ -46,7 +54,7 @@ def read2(reader: Reader, root: Element) -> ModelDescription:
     return ModelDescription(
         model_name=reader.text(root, "modelName", None),
         guid=reader.text(root, "guid", None),
-        variables=tuple(_variable(reader, element) for element in variables.all("ScalarVariable")),
+        variables=tuple(_variable(reader, element, types) for element in variables.all("ScalarVariable")),
         co_simulation=_co_simulation(reader, co_simulation) if co_simulation else None,
         model_exchange=_model_exchange(reader, model_exchange) if model_exchange else None,
         description=reader.text(root, "description"),
@@ -54,7 +62,7 @@ def read2(reader: Reader, root: Element) -> ModelDescription:
         generation_tool=reader.text(root, "generationTool"),
         naming=reader.choice(root, "variableNamingConvention", ("flat", "structured"), "flat"),
         units=tuple(definition(reader, u) for g in root.all("UnitDefinitions") for u in g.all("Unit")),
-        types=types,
+        types={name: typed.attributes.get("unit") for name, typed in types.items()},
         experiment=experiment(reader, asked) if asked else Experiment(),
         outputs=_unknowns(reader, structure, "Outputs"),
         derivatives=_unknowns(reader, structure, "Derivatives"),
@@ -95,11 +103,8 @@ def _both(reader: Reader, element: Element) -> dict[str, Any]:
     }
 
 
-def _variable(reader: Reader, element: Element) -> Variable:
-    typed = next((child for child in element.children if child.tag in TYPES), None)
-    if typed is None:
-        reader.problems.append(Problem(at(element.line), "<ScalarVariable> has no type", allowed=", ".join(TYPES)))
-        typed = Element("Real", {}, element.line)
+def _variable(reader: Reader, element: Element, types: Mapping[str, Element]) -> Variable:
+    typed = typed_element(reader, element, TYPES, types)
     causality = reader.choice(element, "causality", CAUSALITIES, "local")
     variability = reader.choice(element, "variability", VARIABILITIES, "continuous")
     initial = element.attributes.get("initial")
@@ -112,7 +117,7 @@ def _variable(reader: Reader, element: Element) -> Variable:
         causality=causality,
         variability=variability,
         initial=initial or default_initial(causality, variability),
-        start=_start(reader, typed),
+        start=start_value(reader, typed),
         unit=typed.attributes.get("unit"),
         display_unit=typed.attributes.get("displayUnit"),
         minimum=reader.number(typed, "min"),
@@ -122,17 +127,8 @@ def _variable(reader: Reader, element: Element) -> Variable:
         declared_type=typed.attributes.get("declaredType"),
         description=element.attributes.get("description", ""),
         line=element.line,
+        items=enumeration_items(reader, types.get(typed.attributes.get("declaredType", ""))),
     )
-
-
-def _start(reader: Reader, element: Element) -> Scalar | None:
-    if element.tag == "Real":
-        return reader.number(element, "start")
-    if element.tag == "Boolean":
-        return reader.convert(element, "start", to_boolean, "true or false")
-    if element.tag == "String":
-        return element.attributes.get("start")
-    return reader.integer(element, "start")
 
 
 def default_initial(causality: str, variability: str) -> str | None:

@@ -7,7 +7,16 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from seacrane.fmi.attributes import Reader, definition, experiment, to_boolean, to_integer, to_real
+from seacrane.fmi.attributes import (
+    Reader,
+    definition,
+    enumeration_items,
+    experiment,
+    inherited,
+    to_boolean,
+    to_integer,
+    to_real,
+)
 from seacrane.fmi.description import (
     CAUSALITIES3,
     INITIALS,
@@ -46,7 +55,10 @@ def read3(reader: Reader, root: Element) -> ModelDescription:
     elements = [e for e in parts["ModelVariables"].children if e.tag in TYPES3]
     for strange in (e for e in parts["ModelVariables"].children if e.tag not in TYPES3):
         reader.found(strange, f"<{strange.tag}> is no type of variable", allowed=", ".join(TYPES3))
-    variables = _shaped(reader, elements, [_variable(reader, element) for element in elements])
+    types = {
+        reader.text(simple, "name", None): simple for group in root.all("TypeDefinitions") for simple in group.children
+    }
+    variables = _shaped(reader, elements, [_variable(reader, inherited(e, types), types) for e in elements])
     index = {v.value_reference: i for i, v in reversed(list(enumerate(variables, start=1)))}
     variables = [_derivative(reader, e, v, index) for e, v in zip(elements, variables, strict=True)]
     structure = parts["ModelStructure"]
@@ -66,11 +78,7 @@ def read3(reader: Reader, root: Element) -> ModelDescription:
         generation_tool=reader.text(root, "generationTool"),
         naming=reader.choice(root, "variableNamingConvention", ("flat", "structured"), "flat"),
         units=tuple(definition(reader, u) for g in root.all("UnitDefinitions") for u in g.all("Unit")),
-        types={
-            reader.text(simple, "name", None): simple.attributes.get("unit")
-            for group in root.all("TypeDefinitions")
-            for simple in group.children
-        },
+        types={name: simple.attributes.get("unit") for name, simple in types.items()},
         experiment=experiment(reader, asked) if asked else Experiment(),
         outputs=_unknowns(reader, structure, "Output", index),
         derivatives=_unknowns(reader, structure, "ContinuousStateDerivative", index),
@@ -108,7 +116,7 @@ def _both(reader: Reader, element: Element) -> dict[str, Any]:
     }
 
 
-def _variable(reader: Reader, element: Element) -> Variable:
+def _variable(reader: Reader, element: Element, types: Mapping[str, Element]) -> Variable:
     kind = element.tag
     causality = reader.choice(element, "causality", CAUSALITIES3, "local")
     fixed = causality in ("parameter", "calculatedParameter", "structuralParameter")
@@ -134,6 +142,9 @@ def _variable(reader: Reader, element: Element) -> Variable:
         description=element.attributes.get("description", ""),
         line=element.line,
         dimensions=tuple(_dimension(reader, d) for d in element.all("Dimension")),
+        items=enumeration_items(reader, types.get(element.attributes.get("declaredType", "")))
+        if kind == "Enumeration"
+        else {},
     )
 
 

@@ -1,4 +1,7 @@
-"""Elements and attributes of modelDescription.xml: what may stand where (FMI 2.0.4, section 2.2; FMI 3.0.1, 2.4)."""
+"""Elements and attributes of modelDescription.xml: what may stand where.
+
+From the schemas of FMI 1.0 for Co-Simulation, FMI 2.0.4 (section 2.2) and FMI 3.0.1 (section 2.4).
+"""
 
 from __future__ import annotations
 
@@ -23,6 +26,58 @@ class Rule:
     children: str = ""
     choice: bool = False
 
+
+CHAPTER1: Final = "FMI 1.0, chapter Model Description Schema"
+
+_LIMITS1 = "quantity min max"
+_REAL1 = f"{_LIMITS1} unit displayUnit relativeQuantity nominal"
+_CAN1 = (
+    "canHandleVariableCommunicationStepSize canHandleEvents canRejectSteps canInterpolateInputs "
+    "maxOutputDerivativeOrder canRunAsynchronuously canSignalEvents canBeInstantiatedOnlyOncePerProcess "
+    "canNotUseMemoryManagementFunctions"
+)
+
+RULES1: Final = {
+    "fmiModelDescription": Rule(
+        "",
+        "fmiVersion modelName modelIdentifier guid numberOfContinuousStates numberOfEventIndicators",
+        "description author version generationTool generationDateAndTime variableNamingConvention",
+        "UnitDefinitions TypeDefinitions DefaultExperiment VendorAnnotations ModelVariables Implementation",
+    ),
+    "UnitDefinitions": Rule("", children="BaseUnit"),
+    "BaseUnit": Rule("", "unit", children="DisplayUnitDefinition"),
+    "DisplayUnitDefinition": Rule("", "displayUnit", "gain offset"),
+    "TypeDefinitions": Rule("", children="Type"),
+    "Type": Rule("", "name", "description", "RealType IntegerType BooleanType StringType EnumerationType", choice=True),
+    "RealType": Rule("", optional=_REAL1),
+    "IntegerType": Rule("", optional=_LIMITS1),
+    "BooleanType": Rule(""),
+    "StringType": Rule(""),
+    "EnumerationType": Rule("", optional=_LIMITS1, children="Item"),
+    "Item": Rule("", "name", "description"),
+    "DefaultExperiment": Rule("", optional="startTime stopTime tolerance"),
+    "ModelVariables": Rule("", children="ScalarVariable"),
+    "ScalarVariable": Rule(
+        "",
+        "name valueReference",
+        "description variability causality alias",
+        "Real Integer Boolean String Enumeration DirectDependency",
+        choice=True,
+    ),
+    "Real": Rule("", optional=f"declaredType {_REAL1} start fixed"),
+    "Integer": Rule("", optional=f"declaredType {_LIMITS1} start fixed"),
+    "Boolean": Rule("", optional="declaredType start fixed"),
+    "String": Rule("", optional="declaredType start fixed"),
+    "Enumeration": Rule("", "declaredType", f"{_LIMITS1} start fixed"),
+    "DirectDependency": Rule("", children="Name"),
+    "Name": Rule(""),
+    "Implementation": Rule("", children="CoSimulation_StandAlone CoSimulation_Tool", choice=True),
+    "CoSimulation_StandAlone": Rule("", children="Capabilities+"),
+    "CoSimulation_Tool": Rule("", children="Capabilities+ Model+"),
+    "Capabilities": Rule("", optional=_CAN1),
+    "Model": Rule("", "entryPoint type", "manualStart", "File"),
+    "File": Rule("", "file"),
+}
 
 _SLAVE = (
     "needsExecutionTool canHandleVariableCommunicationStepSize canInterpolateInputs maxOutputDerivativeOrder "
@@ -188,6 +243,8 @@ _SECTIONS3: Final = {
 
 def cited(section: str, version: str) -> str:
     """A section of FMI 2.0, or the one that takes its place in another version, as it is cited."""
+    if version == "1.0":
+        return CHAPTER1
     if version == "2.0":
         return f"FMI 2.0.4, section {section}"
     return f"FMI 3.0.1, section {_SECTIONS3[section]}"
@@ -195,7 +252,9 @@ def cited(section: str, version: str) -> str:
 
 def structure_problems(element: Element, version: str) -> Iterator[Problem]:
     """Elements and attributes that are missing, unknown or out of order, below and including this element."""
-    if version == "2.0":
+    if version == "1.0":
+        yield from _problems(element, RULES1, CHAPTER1)
+    elif version == "2.0":
         yield from _problems(element, RULES, "FMI 2.0.4")
     elif version.startswith("3."):
         yield from _problems(element, RULES3, "FMI 3.0.1")
@@ -205,7 +264,8 @@ def _problems(element: Element, rules: Mapping[str, Rule], standard: str) -> Ite
     rule = rules.get(element.tag)
     if rule is None:
         return  # vendor annotations hold what the vendor likes
-    where, section = f"{FILE}:{element.line}", f"{standard}, section {rule.section}"
+    where = f"{FILE}:{element.line}"
+    section = f"{standard}, section {rule.section}" if rule.section else standard
     required, optional = rule.required.split(), rule.optional.split()
     for name in required:
         if name not in element.attributes:

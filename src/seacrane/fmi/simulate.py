@@ -114,7 +114,10 @@ def compare(first: Recording, second: Recording) -> list[Deviation]:
 
 
 def parse(v: Variable, text: str) -> Any:
-    """The value that a text gives to a variable: of an array, its elements with spaces between them."""
+    """The value that a text gives to a variable: of an array, its elements with spaces between them.
+
+    An enumeration takes the name of an item or its number.
+    """
     if v.dimensions and v.type not in _NO_NUMBERS:
         return [_scalar(v, item) for item in text.replace(",", " ").split()]
     return _scalar(v, text)
@@ -128,9 +131,10 @@ def _scalar(v: Variable, text: str) -> Any:
             return {"true": True, "1": True, "false": False, "0": False}[text.strip().lower()]
         if v.type == "Binary":
             return bytes.fromhex(text)
-        return text if v.type == "String" else int(text)
+        return text if v.type == "String" or text in v.items else int(text)
     except (ValueError, KeyError):
-        raise FmuError.at(v.name, f"is {v.type} and cannot take this value", value=text) from None
+        allowed = ", ".join(v.items) or None
+        raise FmuError.at(v.name, f"is {v.type} and cannot take this value", value=text, allowed=allowed) from None
 
 
 def _outputs(d: ModelDescription, asked: Sequence[str] | None) -> list[str]:

@@ -23,6 +23,8 @@ def unit_symbol(v: Variable, units: Mapping[str, str | None]) -> str | None:
 
 def _known(definition: UnitDefinition) -> str | None:
     """The symbol of the unit with the exponents and the factor of an FMU's definition."""
+    if definition.exponents is None:
+        return definition.name if definition.name in UNITS else None
     exponents = {name: n for name, n in definition.exponents.items() if n}
     dimension = tuple(exponents.pop(base, 0) for base in ("kg", "m", "s", "rad"))
     kelvin = exponents.pop("K", 0)

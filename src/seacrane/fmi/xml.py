@@ -12,17 +12,21 @@ from seacrane.errors import FmuError
 FILE: Final = "modelDescription.xml"
 LARGEST: Final = 32 * 1024 * 1024
 DEEPEST: Final = 32
+MOST_PARTS: Final = 2_000_000
+"""Elements and attributes together: each takes some 200 bytes, so that a hostile file cannot fill the memory."""
+_LONGEST_TEXT = 4096
 EXPONENTS: Final = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
 
-@dataclass
+@dataclass(slots=True)
 class Element:
-    """An XML element with the line on which it starts."""
+    """An XML element with the line on which it starts, and the text in it."""
 
     tag: str
     attributes: dict[str, str]
     line: int
     children: list[Element] = field(default_factory=list)
+    text: str = ""
 
     def all(self, tag: str) -> Iterator[Element]:
         return (child for child in self.children if child.tag == tag)
@@ -38,13 +42,22 @@ def parse_xml(text: bytes) -> Element:
     parser = expat.ParserCreate()
     root = Element("", {}, 0)
     stack = [root]
+    parts = 0
 
     def start(tag: str, attributes: dict[str, str]) -> None:
         if len(stack) > DEEPEST:
             raise FmuError.at(_at(parser.CurrentLineNumber), f"elements are nested more than {DEEPEST} deep")
+        nonlocal parts
+        parts += 1 + len(attributes)
+        if parts > MOST_PARTS:
+            raise FmuError.at(_at(parser.CurrentLineNumber), f"has more than {MOST_PARTS} elements and attributes")
         element = Element(tag, attributes, parser.CurrentLineNumber)
         stack[-1].children.append(element)
         stack.append(element)
+
+    def write(text: str) -> None:
+        if len(stack[-1].text) < _LONGEST_TEXT and not text.isspace():
+            stack[-1].text += text
 
     def refuse(*_: object) -> None:
         raise FmuError.at(
@@ -53,6 +66,7 @@ def parse_xml(text: bytes) -> Element:
 
     parser.StartElementHandler = start
     parser.EndElementHandler = lambda _: stack.pop()
+    parser.CharacterDataHandler = write
     parser.StartDoctypeDeclHandler = refuse
     parser.EntityDeclHandler = refuse
     try:

@@ -159,6 +159,21 @@ EXPORT int seacrane_foreign_open(foreign_t *s)
     return OK;
 }
 
+/* Continuous states set from outside: the solver goes on from there, and from no crossing of its own. */
+EXPORT int seacrane_foreign_states(foreign_t *s, const double *values)
+{
+    const work_t w = work(s);
+    int status = OK;
+    if (s->mode == EVENT && failed(status = settle(s)))
+        return status;
+    memcpy(w.y, values, (size_t)s->n * sizeof(double));
+    if (s->n)
+        status = ((give_t)s->set_states)(s->fmu, w.y, (size_t)s->n);
+    if (!failed(status) && s->m)
+        status = ((take_t)s->indicators)(s->fmu, w.before, (size_t)s->m);
+    return failed(status) ? said(s, status, "the continuous states could not be set") : OK;
+}
+
 EXPORT int seacrane_foreign_set(void *handle, const uint32_t *references, size_t count, const double *values)
 {
     foreign_t *s = handle;

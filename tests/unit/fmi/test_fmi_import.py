@@ -100,7 +100,7 @@ def test_a_discarded_step_carries_function_status_and_the_fmus_own_words(foreign
 
 def test_an_instance_that_is_refused_says_why(foreign: Path) -> None:
     with fmi.Fmu(foreign) as fmu:
-        with pytest.raises(FmuError, match=r"refuse me: fmi2Instantiate gave no instance: no licence for %s"):
+        with pytest.raises(FmuError, match=r"refuse me: fmi2Instantiate gave no instance: no licence for refuse me"):
             fmu.instantiate("refuse me")
         folder = fmu.folder
     assert not folder.exists()
@@ -119,7 +119,7 @@ def test_every_instance_is_freed_also_if_it_failed_or_was_forgotten(
         failed = fmu.instantiate("failed")
         failed.initialize(0.0)
         with pytest.raises(FmuError, match="failed: fmi2SetReal returned Error"):
-            failed.set("x", 1.0)
+            failed.set(1, 1.0)
         failed.close()
         failed.close()
         forgotten = fmu.instantiate("forgotten")

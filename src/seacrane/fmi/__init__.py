@@ -13,7 +13,7 @@ from seacrane.fmi.description import (
     Unknown,
     Variable,
 )
-from seacrane.fmi.export import export
+from seacrane.fmi.export import cached, export
 from seacrane.fmi.fmu import Fmu, Kind, read
 from seacrane.fmi.instance import FmuInstance
 from seacrane.fmi.simulate import Deviation, compare, parse, run
@@ -34,6 +34,7 @@ __all__ = [
     "UnitDefinition",
     "Unknown",
     "Variable",
+    "cached",
     "check",
     "compare",
     "export",

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
 import struct
 import zipfile
 from collections.abc import Callable, Iterable, Mapping
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Final, Literal, Protocol
 
 from seacrane import documents
@@ -19,7 +20,7 @@ from seacrane.fmi.writing import model_identifier
 from seacrane.model import Diagram
 from seacrane.model.codegen import Generated, generate
 from seacrane.model.dae import Dae
-from seacrane.native import build_library
+from seacrane.native import build_library, cache_folder
 from seacrane.native.cross import TARGETS, build_all
 
 EPOCH: Final = (1980, 1, 1, 0, 0, 0)
@@ -66,6 +67,34 @@ def export(
     if version not in VERSIONS:
         allowed = ", ".join(VERSIONS)
         raise FmuError.at("version", "is not a version of FMI that can be exported", value=version, allowed=allowed)
+    return write_whole(Path(path), archive_of(_files(model, version, sources, platforms, progress)))
+
+
+def cached(model: Dae | Compiles, *, version: Version = "2.0") -> Path:
+    """The model as an FMU for this machine in the cache of compiled models, written if it is not there yet.
+
+    Its name is made from everything inside: a file that is there is the one that would be written. The drawing of a
+    diagram, which takes longer than all the rest, is left out. Raises like `export`.
+    """
+    dae = model if isinstance(model, Dae) else model.compile()
+    files = _files(dae, version, False, "host", lambda stage: None)
+    (identifier,) = (PurePosixPath(name).stem for name in files if name.startswith("binaries/"))
+    digest = hashlib.sha256(repr(sorted(files.items())).encode()).hexdigest()
+    path = cache_folder() / "fmu" / f"{identifier}-{digest[:32]}.fmu"
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, archive_of(files))
+    return path
+
+
+def _files(
+    model: Dae | Compiles,
+    version: Version,
+    sources: bool,
+    platforms: str | Iterable[str],
+    progress: Callable[[str], None],
+) -> dict[str, bytes]:
+    """Everything in the archive, compiled for the platforms."""
     targets = _targets(platforms)
     progress("writing the equations as C")
     dae = model if isinstance(model, Dae) else model.compile()
@@ -79,7 +108,7 @@ def export(
     else:
         progress(f"compiling for {', '.join(targets)}")
         files |= binaries(build_all(targets, identifier, generated.sources, ["-w"]), identifier, version)
-    return write_whole(Path(path), archive_of(files))
+    return files
 
 
 def _targets(platforms: str | Iterable[str]) -> tuple[str, ...]:

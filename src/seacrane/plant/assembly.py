@@ -12,8 +12,7 @@ exchange does not survive (docs/decisions/0004).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, replace
 
 from seacrane import fmi
 from seacrane.control import Joystick
@@ -22,9 +21,7 @@ from seacrane.cosim import FmuSlave, FunctionSlave, ModelSlave, System
 from seacrane.design import Crane, Cylinder, Slew, geometry
 from seacrane.errors import StructureError
 from seacrane.model import Dae, Diagram
-from seacrane.model import build as compiled
 from seacrane.multibody import Equilibrium, crane_mechanics, static_equilibrium
-from seacrane.native import cache_folder
 from seacrane.units import Length, Mass, deg
 from seacrane.vessel import Fixed, Harmonic
 
@@ -74,10 +71,8 @@ def build(
     system = System(crane.name)
     system.add("ship", ModelSlave((vessel or Fixed()).model(crane.pedestal)))
     system.add("joystick", joystick(crane, rest))
-    for diagram in drives(crane, rest, start, hydraulics):
-        system.add(diagram.name, FmuSlave(as_fmu(diagram)))
-    mechanics = crane_mechanics(crane, start.load, joints, start.hanging)
-    system.add("crane", ModelSlave(mechanics, _rotors(crane, mechanics, hydraulics)))
+    for name, part in parts(crane, start=start, hydraulics=hydraulics).items():
+        system.add(name, FmuSlave(fmi.cached(part)) if isinstance(part, Diagram) else ModelSlave(part))
     _couple(system, crane)
     return system
 
@@ -97,14 +92,33 @@ def check(crane: Crane) -> Slew:
     return crane.slew
 
 
-def _rotors(crane: Crane, mechanics: Dae, hydraulics: Hydraulics) -> dict[str, float]:
-    """The motors' inertia, which the mechanics hold because they hold the speed, on top of what turns there anyway."""
-    bare = {v.name: v.start for v in mechanics.parameters}
-    slew, drum = f"{check(crane).joint}.rotor_inertia", "drum.inertia"
+def parts(
+    crane: Crane, *, start: Start | None = None, hydraulics: Hydraulics | None = None
+) -> dict[str, Diagram | Dae]:
+    """The models that `build` couples, by name: each drive of the crane as a diagram, then its mechanics, "crane".
+
+    They fit each other: all start in the same equilibrium, and the mechanics have the inertia of the drives' motors.
+    `fmi.export` turns each into an FMU. `StructureError` for a crane of a type that has no plant yet.
+    """
+    slew = check(crane).joint
+    start, hydraulics = start or Start(POSTURE), hydraulics or Hydraulics()
+    joints = start.joints(crane)
+    rest = static_equilibrium(crane, joints, start.load, start.hanging)
+    mechanics = crane_mechanics(crane, start.load, joints, start.hanging)
     return {
-        slew: bare[slew] + hydraulics.slew.reflected_inertia,
-        drum: bare[drum] + hydraulics.winch.reflected_inertia,
+        **{diagram.name: diagram for diagram in drives(crane, rest, start, hydraulics)},
+        mechanics.name: _with_rotors(mechanics, slew, hydraulics),
     }
+
+
+def _with_rotors(mechanics: Dae, slew: str, hydraulics: Hydraulics) -> Dae:
+    """The motors' inertia, which the mechanics hold because they hold the speed, on top of what turns there anyway."""
+    more = {
+        f"{slew}.rotor_inertia": hydraulics.slew.reflected_inertia,
+        "drum.inertia": hydraulics.winch.reflected_inertia,
+    }
+    parameters = tuple(replace(v, start=v.start + more.get(v.name, 0.0)) for v in mechanics.parameters)
+    return replace(mechanics, parameters=parameters)
 
 
 def drives(crane: Crane, rest: Equilibrium, start: Start, hydraulics: Hydraulics) -> list[Diagram]:
@@ -118,16 +132,6 @@ def drives(crane: Crane, rest: Equilibrium, start: Start, hydraulics: Hydraulics
 def extension(crane: Crane, cylinder: Cylinder, posture: Mapping[str, float]) -> Length:
     """How far a cylinder is out in a posture [m]."""
     return geometry.cylinder_length(crane, cylinder, posture) - geometry.retracted_length(crane, cylinder)
-
-
-def as_fmu(diagram: Diagram) -> Path:
-    """The diagram as an FMU in the cache: exported when it is not there yet, named after what is in it."""
-    dae = diagram.compile()
-    path = cache_folder() / "fmu" / f"{dae.name}-{compiled(dae).guid.strip('{}')}.fmu"
-    if not path.exists():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        fmi.export(dae, path)
-    return path
 
 
 def joystick(crane: Crane, rest: Equilibrium) -> FunctionSlave:

@@ -4,6 +4,7 @@ import hashlib
 import re
 import subprocess
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import casadi as ca
@@ -219,3 +220,19 @@ def test_a_diagram_is_exported_with_its_exposed_names(tmp_path: Path) -> None:
         slave.step(0.0, 1.0)
         assert slave.get("heave") == pytest.approx(2.0)
     assert fmi.read(path).by_name["heave"].unit == "m"
+
+
+def test_the_cache_finds_what_is_the_same_and_nothing_else(
+    cylinder: Dae, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    first = fmi.cached(cylinder)
+    written = first.stat().st_mtime_ns
+    assert first == fmi.cached(cylinder)
+    assert first.stat().st_mtime_ns == written
+    assert first.read_bytes() == fmi.export(cylinder, tmp_path / "piston.fmu").read_bytes()
+    described = replace(cylinder, about="the same equations, described otherwise")
+    assert build(described).guid == build(cylinder).guid
+    assert fmi.cached(described) != first
+    assert fmi.read(fmi.cached(described)).description == "the same equations, described otherwise"
+    assert fmi.read(fmi.cached(cylinder, version="3.0")).fmi_version == "3.0"

@@ -12,13 +12,15 @@ watches).
 """
 
 from seacrane.cosim.actions import Action, Freeze, Offset, Override, Ramp, Release, Scale, Set, Stop
-from seacrane.cosim.algorithms import Algorithm, GaussSeidel, Jacobi, Schedule
+from seacrane.cosim.algorithms import ALGORITHMS, Algorithm, GaussSeidel, Jacobi, Schedule
 from seacrane.cosim.bonds import BondReport
 from seacrane.cosim.execution import Execution, Usage
+from seacrane.cosim.files import load
 from seacrane.cosim.fmu import FmuSlave
 from seacrane.cosim.function import FunctionSlave
 from seacrane.cosim.model import ModelSlave
 from seacrane.cosim.observers import CsvRecorder, MemoryRecorder, Observer
+from seacrane.cosim.osp import read_osp
 from seacrane.cosim.pacing import Pace, RealTime
 from seacrane.cosim.saved import State
 from seacrane.cosim.scenario import Event, Scenario
@@ -28,6 +30,7 @@ from seacrane.cosim.system import System
 from seacrane.cosim.triggers import Above, Below, Condition
 
 __all__ = [
+    "ALGORITHMS",
     "Above",
     "Action",
     "Algorithm",
@@ -68,4 +71,6 @@ __all__ = [
     "System",
     "Transformation",
     "Usage",
+    "load",
+    "read_osp",
 ]

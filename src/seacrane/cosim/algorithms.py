@@ -9,9 +9,9 @@ for co-simulation methods, ZAMM 96, 2016, section 2.)
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Final, Protocol
 
 from seacrane.errors import CosimError, Problem, nearest
 
@@ -79,6 +79,10 @@ class Jacobi:
 
     def schedule(self, slaves: Sequence[str]) -> Schedule:
         return Schedule(nanoseconds(self.step, "step"), tuple(slaves), simultaneous=True)
+
+
+ALGORITHMS: Final[dict[str, Callable[[float], Algorithm]]] = {"gauss-seidel": GaussSeidel, "jacobi": Jacobi}
+"""Algorithms by the names they have on the command line and in files; each is made from a macro step [s]."""
 
 
 def nanoseconds(seconds: float, path: str) -> int:

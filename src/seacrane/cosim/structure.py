@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -125,12 +125,16 @@ class Connector:
 
 @dataclass(frozen=True)
 class Experiment:
-    """What a file says of how it is to be run: times and macro step [s], and the name of an algorithm."""
+    """What a file says of how it is to be run: times and macro step [s], and the name of an algorithm.
+
+    `steps` are those of slaves, by name, that are to step otherwise than all together.
+    """
 
     start: float = 0.0
     stop: float | None = None
     step: float | None = None
     algorithm: str = ""
+    steps: Mapping[str, float] = field(default_factory=dict)
 
 
 def factor(source: str, target: str) -> float:

@@ -18,6 +18,7 @@ from seacrane.cosim.structure import (
     Experiment,
     Transformation,
     composed,
+    factor,
     finite,
     is_power,
 )
@@ -60,9 +61,11 @@ class System:
         connectors: Iterable[Connector] = (),
         experiment: Experiment | None = None,
         about: str = "",
+        notes: Iterable[str] = (),
     ) -> None:
         self.name = name
         self.about = about
+        self.notes = tuple(notes)
         self.experiment = experiment or Experiment()
         self._level = Level()
         self._slaves: dict[str, Slave] = {}
@@ -142,9 +145,14 @@ class System:
         """What a connector of this system leads to: the inputs that it drives, or the outputs that drive it."""
         if connector not in self._level.connectors:
             raise CosimError.at(connector, "is no connector", hint=nearest(connector, self._level.connectors))
-        if self._level.connectors[connector].kind == "output":
+        if self._points[connector].kind == "output":
             return tuple(self._trace(connector))
         return tuple(c for target in self._ends(connector) for c in self._trace(target, connector))
+
+    def through(self, link: Connection, value: float) -> float:
+        """What a connection makes of a value in the unit of its source."""
+        scale = factor(self._unit(link.source), self._unit(link.target)) if link.convert else 1.0
+        return link.gain * scale * value + link.bias
 
     # ------------------------------------------------------------ as it was put together
     @property

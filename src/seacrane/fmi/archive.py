@@ -23,8 +23,8 @@ _MOST_SHOWN = 20
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[zipfile.ZipFile]:
-    """The archive, if it is one and keeps within the limits; `FmuError` with all that is wrong otherwise."""
+def opened(path: Path, what: str = "an FMU") -> Iterator[zipfile.ZipFile]:
+    """The archive of `what`, if it is one and keeps within the limits; `FmuError` with all that is wrong otherwise."""
     try:
         size = path.stat().st_size
         if not path.is_file():
@@ -38,7 +38,7 @@ def opened(path: Path) -> Iterator[zipfile.ZipFile]:
     if not zipfile.is_zipfile(path):
         if head.startswith(b"PK\x03\x04"):
             raise FmuError.at(str(path), "is a truncated ZIP archive", hint="Copy or download it again.")
-        raise FmuError.at(str(path), "is not a ZIP archive, so it is not an FMU")
+        raise FmuError.at(str(path), f"is not a ZIP archive, so it is not {what}")
     try:
         with zipfile.ZipFile(path) as archive:
             problems = list(_problems(archive, size))

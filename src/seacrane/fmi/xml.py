@@ -1,4 +1,4 @@
-"""The XML of an FMU as a tree of elements with their lines, and nothing that an XML bomb could use."""
+"""XML of strangers as a tree of elements with their lines, and nothing that an XML bomb could use."""
 
 from __future__ import annotations
 
@@ -35,23 +35,29 @@ class Element:
         return next(self.all(tag), None)
 
 
-def parse_xml(text: bytes) -> Element:
-    """The root element. Refuses document type declarations and entities, deep nesting, and texts above 32 MiB."""
+def parse_xml(text: bytes, file: str = FILE, *, local: bool = False) -> Element:
+    """The root element. Refuses document type declarations and entities, deep nesting, and texts above 32 MiB.
+
+    `file` is its name in messages. With `local`, tags are given without the prefix of their name space.
+    """
     if len(text) > LARGEST:
-        raise FmuError.at(FILE, f"is larger than {LARGEST // 2**20} MiB", value=len(text))
+        raise FmuError.at(file, f"is larger than {LARGEST // 2**20} MiB", value=len(text))
     parser = expat.ParserCreate()
     root = Element("", {}, 0)
     stack = [root]
     parts = 0
 
+    def here() -> str:
+        return f"{file}:{parser.CurrentLineNumber}"
+
     def start(tag: str, attributes: dict[str, str]) -> None:
         if len(stack) > DEEPEST:
-            raise FmuError.at(_at(parser.CurrentLineNumber), f"elements are nested more than {DEEPEST} deep")
+            raise FmuError.at(here(), f"elements are nested more than {DEEPEST} deep")
         nonlocal parts
         parts += 1 + len(attributes)
         if parts > MOST_PARTS:
-            raise FmuError.at(_at(parser.CurrentLineNumber), f"has more than {MOST_PARTS} elements and attributes")
-        element = Element(tag, attributes, parser.CurrentLineNumber)
+            raise FmuError.at(here(), f"has more than {MOST_PARTS} elements and attributes")
+        element = Element(tag.rpartition(":")[2] if local else tag, attributes, parser.CurrentLineNumber)
         stack[-1].children.append(element)
         stack.append(element)
 
@@ -60,9 +66,7 @@ def parse_xml(text: bytes) -> Element:
             stack[-1].text += text
 
     def refuse(*_: object) -> None:
-        raise FmuError.at(
-            _at(parser.CurrentLineNumber), "has a document type declaration; entities are not accepted in an FMU"
-        )
+        raise FmuError.at(here(), "has a document type declaration; entities are not accepted in an FMU")
 
     parser.StartElementHandler = start
     parser.EndElementHandler = lambda _: stack.pop()
@@ -72,11 +76,9 @@ def parse_xml(text: bytes) -> Element:
     try:
         parser.Parse(text, True)
     except expat.ExpatError as error:
-        raise FmuError.at(_at(error.lineno), f"is not well-formed XML: {expat.ErrorString(error.code)}") from None
+        raise FmuError.at(
+            f"{file}:{error.lineno}", f"is not well-formed XML: {expat.ErrorString(error.code)}"
+        ) from None
     except (LookupError, ValueError) as error:
-        raise FmuError.at(FILE, f"has an encoding that cannot be read: {error}") from None
+        raise FmuError.at(file, f"has an encoding that cannot be read: {error}") from None
     return root.children[0]
-
-
-def _at(line: int) -> str:
-    return f"{FILE}:{line}"

@@ -1,0 +1,194 @@
+"""`seacrane run`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator, Mapping
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from seacrane.errors import CosimError, ParameterError, Problem, SeacraneError, UnitError, nearest
+from seacrane.units import parse
+
+from .arguments import Commands, output
+
+if TYPE_CHECKING:
+    from seacrane.cosim import Execution, System
+
+_MOST_NAMED = 8
+
+
+def add(commands: Commands) -> None:
+    """Declare the command."""
+    run = commands.add_parser("run", help="run a coupled system: SSP, SSD or OspSystemStructure.xml")
+    run.add_argument("file", type=Path, help="FILE.ssp, FILE.ssd or OspSystemStructure.xml")
+    run.add_argument("--until", type=float, metavar="S", help="end of the run [s] (default: that of the file)")
+    run.add_argument("--step", type=float, metavar="S", help="macro step [s] (default: that of the file)")
+    run.add_argument(
+        "--algorithm", metavar="NAME", help="co-simulation algorithm (default: that of the file, or gauss-seidel)"
+    )
+    run.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="parameter or input that nothing drives, as pump.pressure='210 bar'; a bare number is in its own unit",
+    )
+    run.add_argument(
+        "--signals",
+        type=lambda text: text.split(","),
+        metavar="NAME,...",
+        help="what to record; * stands for any characters (default: all outputs and bonds)",
+    )
+    run.add_argument("--every", type=float, metavar="S", help="record each so many seconds (default: each macro step)")
+    run.add_argument("--csv", type=output, metavar="FILE", help="write what is recorded as CSV while the run goes on")
+    run.add_argument("--plot", type=output, metavar="FILE", help="plot what was recorded (SVG, PNG or PDF)")
+    run.add_argument("--progress", action="store_true", help="show how far the run is")
+    run.set_defaults(run=_run)
+
+
+def _run(options: argparse.Namespace) -> int:
+    from seacrane import cosim
+
+    system = cosim.load(options.file)
+    experiment = system.experiment
+    until = _needed(options.until, experiment.stop, "--until")
+    step = _needed(options.step, experiment.step, "--step")
+    name = options.algorithm or experiment.algorithm or "gauss-seidel"
+    if name not in cosim.ALGORITHMS:
+        hint = nearest(name, cosim.ALGORITHMS)
+        raise CosimError.at("--algorithm", "there is no such algorithm", value=name, hint=hint)
+    settings = _settings(system, options.set)
+    signals = _signals(system, options.signals)
+    _tell(system, settings)
+    with cosim.Execution(system, cosim.ALGORITHMS[name](step), start=experiment.start) as run:
+        for variable, value in settings.items():
+            run.set(variable, value)
+        recorder = run.record(signals, every=options.every)
+        if options.csv:
+            run.record_csv(options.csv, signals, every=options.every)
+        try:
+            run.start()
+            run.run(until, _progress(run) if options.progress else None)
+        except SeacraneError:
+            run.flush()
+            if run.usage.macro_steps and (options.csv or options.plot):
+                print(f"seacrane: the results until {run.time:g} s are kept", file=sys.stderr)
+            raise
+        finally:
+            if options.plot and len(recorder.recording()) > 1:
+                recorder.recording().plot(*(signals or [])[:12]).savefig(options.plot)
+        _summary(system, run, name)
+        if options.csv:
+            print(f"{options.csv}: {len(recorder.recording().signals)} signals, {len(recorder.recording())} rows")
+        elif not options.plot:
+            _last(run, recorder.recording().signals)
+    return 0
+
+
+def _needed(given: float | None, of_file: float | None, option: str) -> float:
+    value = of_file if given is None else given
+    if value is None:
+        raise CosimError.at(option, "is not given, and the file does not say it")
+    return value
+
+
+def _settings(system: System, texts: list[str]) -> dict[str, float]:
+    """Values by variable, each in the unit of its variable."""
+    values: dict[str, float] = {}
+    problems: list[Problem] = []
+    variables, connectors = system.variables, system.level.connectors
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not equals:
+            problems.append(Problem("--set", "is not NAME=VALUE", text))
+        elif name in connectors:
+            unit = connectors[name].unit or "1"
+            for link in system.behind(name):
+                number = _number(value, unit, name, problems)
+                values[link.target] = system.through(link, number)
+        elif name in variables:
+            values[name] = _number(value, variables[name].unit, name, problems)
+        else:
+            problems.append(Problem(name, "no such variable", hint=nearest(name, (*variables, *connectors))))
+    if problems:
+        raise ParameterError(problems)
+    return values
+
+
+def _number(text: str, unit: str, name: str, problems: list[Problem]) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        try:
+            return parse(text, unit, name)
+        except UnitError as error:
+            problems += error.problems
+            return 0.0
+
+
+def _signals(system: System, patterns: list[str] | None) -> list[str] | None:
+    """The names asked for, each once; None for the default."""
+    if patterns is None:
+        return None
+    causalities = system.causalities
+    known = [name for name, causality in causalities.items() if causality != "parameter"]
+    names: dict[str, None] = {}
+    problems = []
+    for pattern in patterns:
+        found = [n for n in known if fnmatchcase(n, pattern)] or list(_behind(system, pattern))
+        if not found:
+            problems.append(Problem(pattern, "is no variable that can be recorded", hint=nearest(pattern, known)))
+        names |= dict.fromkeys(found)
+    if problems:
+        raise ParameterError(problems)
+    return list(names)
+
+
+def _behind(system: System, connector: str) -> Iterator[str]:
+    """The variables that a connector of the system stands for."""
+    if connector in system.level.connectors:
+        for link in system.behind(connector):
+            yield link.source if system.level.connectors[connector].kind == "output" else link.target
+
+
+def _tell(system: System, settings: Mapping[str, float]) -> None:
+    """What may surprise: notes of the reader, and inputs that nothing drives."""
+    for note in system.notes:
+        print(f"seacrane: {note}", file=sys.stderr)
+    open_inputs = [name for name in system.open_inputs if name not in settings]
+    if open_inputs:
+        named = ", ".join(open_inputs[:_MOST_NAMED]) + (", ..." if len(open_inputs) > _MOST_NAMED else "")
+        are = "input is" if len(open_inputs) == 1 else "inputs are"
+        print(f"seacrane: {len(open_inputs)} {are} not connected, at start values: {named}", file=sys.stderr)
+
+
+class _progress:
+    """Prints how far a run is, on one line."""
+
+    def __init__(self, run: Execution) -> None:
+        self._run = run
+
+    def __call__(self, time: float, until: float) -> None:
+        factor = self._run.usage.real_time_factor
+        end = "\n" if time >= until else ""
+        print(f"\r{time:10.3f} of {until:g} s, real-time factor {factor:.3g} ", end=end, file=sys.stderr, flush=True)
+
+
+def _summary(system: System, run: Execution, algorithm: str) -> None:
+    usage = run.usage
+    print(
+        f"{system.name}: {usage.simulated_s:g} s simulated, {algorithm}, {usage.macro_steps} macro steps of "
+        f"{run.macro_step:g} s; {usage.busy_s:.3g} s of computing, real-time factor {usage.real_time_factor:.3g}"
+    )
+    for name, bond in run.bonds.items():
+        share = f"{100 * bond.relative_error:.2g} %" if bond.energy_moved else "none moved"
+        print(f"bond {name}: energy error {bond.energy_error:.3g} J of {bond.energy_moved:.3g} J moved ({share})")
+
+
+def _last(run: Execution, names: Mapping[str, object]) -> None:
+    width = max(map(len, names), default=0)
+    for name, value in zip(names, run.values(list(names)), strict=True):
+        print(f"{name:{width}}  {value:12.6g} {run.variables[name].unit}")

@@ -1,0 +1,123 @@
+"""`seacrane run`: what it writes, says and refuses."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from seacrane import fmi
+from seacrane.cli import main
+from seacrane.model.dae import Dae, Variable
+from seacrane.results import Recording
+
+FILE = """<OspSystemStructure version="0.1"><BaseStepSize>0.01</BaseStepSize>
+<Simulators><Simulator name="spring" source="spring.fmu"/><Simulator name="mass" source="mass.fmu"/></Simulators>
+<Connections>{}</Connections></OspSystemStructure>"""
+
+LINK = (
+    '<VariableConnection powerBond="rod"><Variable simulator="spring" name="{0}"/>'
+    '<Variable simulator="mass" name="{0}"/></VariableConnection>'
+)
+
+
+def dae(name: str, state: Variable, inputs: list[Variable], output: Variable, law) -> Dae:
+    """x' and y from x, u and the parameter p."""
+    x, u, p, none = ca.SX.sym("x"), ca.SX.sym("u", len(inputs)), ca.SX.sym("p"), ca.SX(0, 1)
+    ode, out = law(x, u, p)
+    parameter = Variable("stiffness", "N/m", 40.0) if name == "spring" else Variable("mass", "kg", 2.0, minimum=0.1)
+    return Dae(
+        name, (state,), (), tuple(inputs), (parameter,), (output,), (), ca.SX.sym("t"),
+        x, none, u, p, ode, none, out, none,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Mass on a spring: the mass starts at 1 m/s and may be pulled by a further force."""
+    folder = tmp_path_factory.mktemp("oscillator")
+    force, velocity = Variable("force", "N"), Variable("velocity", "m/s")
+    spring = dae("spring", Variable("stretch", "m"), [velocity], force, lambda x, u, p: (u, -p * x))
+    mass = dae(
+        "mass", Variable("v", "m/s", 1.0), [force, Variable("pull", "N")], velocity,
+        lambda x, u, p: ((u[0] + u[1]) / p, x),
+    )  # fmt: skip
+    for model in (spring, mass):
+        fmi.export(model, folder / f"{model.name}.fmu")
+    (folder / "OspSystemStructure.xml").write_text(FILE.format(LINK.format("force") + LINK.format("velocity")))
+    return folder
+
+
+def run(folder: Path, *options: str) -> int:
+    return main(["run", str(folder), *options])
+
+
+def test_a_system_runs_and_the_summary_says_how_fast_and_how_good_the_bonds_are(folder, capsys) -> None:
+    assert run(folder, "--until", "2") == 0
+    said = capsys.readouterr()
+    lines = said.out.splitlines()
+    assert lines[0].startswith(f"{folder.name}: 2 s simulated, jacobi, 200 macro steps of 0.01 s; ")
+    assert "real-time factor" in lines[0]
+    assert lines[1].startswith("bond rod: energy error ")
+    assert [line.split()[0] for line in lines[2:4]] == ["spring.force", "mass.velocity"]
+    assert lines[2].endswith(" N")
+    assert said.err == "seacrane: 1 input is not connected, at start values: mass.pull\n"
+
+
+def test_what_is_asked_for_is_written_with_units_and_gauss_seidel_is_the_more_accurate(folder, tmp_path) -> None:
+    errors = {}
+    for algorithm in ("jacobi", "gauss-seidel"):
+        file, picture = tmp_path / f"{algorithm}.csv", tmp_path / f"{algorithm}.png"
+        options = ["--until", "2", "--algorithm", algorithm, "--csv", str(file), "--plot", str(picture)]
+        assert run(folder, *options, "--signals", "mass.*,rod.power", "--every", "0.1", "--step", "0.001") == 0
+        recording = Recording.read_csv(file)
+        units = {name: signal.unit for name, signal in recording.signals.items()}
+        assert (units["mass.pull"], units["mass.v"], units["rod.power"]) == ("N", "m/s", "W")
+        assert all(name.startswith("mass.") or name == "rod.power" for name in units)
+        assert len(recording) == 21
+        exact = np.cos(np.sqrt(20.0) * recording.time)
+        errors[algorithm] = np.abs(recording["mass.velocity"] - exact).max()
+        assert picture.read_bytes().startswith(b"\x89PNG")
+    assert errors["gauss-seidel"] < errors["jacobi"] < 0.1
+
+
+def test_parameters_and_open_inputs_are_set_with_units(folder, tmp_path, capsys) -> None:
+    file = tmp_path / "set.csv"
+    options = ["--until", "0.5", "--step", "0.001", "--algorithm", "gauss-seidel", "--csv", str(file)]
+    assert run(folder, *options, "--set", "mass.mass=0.02 t", "--set", "mass.pull=0.4 kN") == 0
+    recording = Recording.read_csv(file)
+    w, t = np.sqrt(2.0), recording.time
+    np.testing.assert_allclose(recording["mass.velocity"], np.cos(w * t) + 20 / w * np.sin(w * t), atol=0.02)
+    assert capsys.readouterr().err == ""
+
+
+def test_progress_is_shown_on_request(folder, capsys) -> None:
+    assert run(folder, "--until", "1", "--progress") == 0
+    assert "     1.000 of 1 s, real-time factor " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--until", "1", "--algorithm", "jakobi"], "--algorithm: there is no such algorithm (got 'jakobi'). Did you"),
+        ([], "--until: is not given, and the file does not say it"),
+        (["--until", "1", "--set", "mass.pul=3"], "mass.pul: no such variable. Did you mean 'mass.pull'"),
+        (["--until", "1", "--set", "mass.pull=3 m"], "mass.pull: a quantity in 'm' cannot be given in 'N'"),
+        (["--until", "1", "--set", "mass.mass=0"], "mass.mass: is out of its bounds (got 0.0); allowed: 0.1 to inf kg"),
+        (["--until", "1", "--set", "mass.force=3"], "mass.force: is driven by 'spring.force' and cannot be set"),
+        (["--until", "1", "--set", "mass.pull"], "--set: is not NAME=VALUE (got 'mass.pull')"),
+        (["--until", "1", "--signals", "mas.*"], "mas.*: is no variable that can be recorded"),
+    ],
+)
+def test_what_cannot_be_done_is_refused_in_one_line(folder, capsys, options, message) -> None:
+    assert run(folder, *options) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_a_file_of_another_kind_is_refused(tmp_path, capsys) -> None:
+    file = tmp_path / "system.toml"
+    file.write_text("")
+    assert main(["run", str(file), "--until", "1"]) == 2
+    assert "system.toml: is no file of a system (got '.toml')" in capsys.readouterr().err

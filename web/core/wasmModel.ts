@@ -158,10 +158,17 @@ export class WasmModel {
     if (source instanceof Response && !source.ok)
       throw new WasmModelError(`${source.url} cannot be loaded: ${source.status} ${source.statusText}`);
     const bytes = source instanceof Response ? await source.arrayBuffer() : source;
-    const module = await WebAssembly.compile(bytes);
+    const module = await WebAssembly.compile(bytes).catch((error) => {
+      throw new WasmModelError(`what was loaded is no WebAssembly module: ${error.message}`);
+    });
     const description = await descriptionOf(module);
     const { exports } = await WebAssembly.instantiate(module);
     return new WasmModel(description, new Core(exports as unknown as Exports, description.variables.length));
+  }
+
+  /** Size of the memory of its instances [byte]. */
+  get memory(): number {
+    return this.core.bytes.length;
   }
 
   /** A new instance, named for its messages; it holds the start values until it is initialized. */

@@ -5,14 +5,15 @@ from __future__ import annotations
 import os
 from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import numpy as np
 
 from seacrane.cosim.slave import Vector
 from seacrane.errors import CosimError
-from seacrane.results import Recording, Signal, csv_file
+from seacrane.results import Recording, Signal, StreamWriter, convert, csv_file
 
 
 class Observer(ABC):
@@ -25,6 +26,10 @@ class Observer(ABC):
     @abstractmethod
     def write(self, table: Vector) -> None:
         """Rows of (time, values...), shape (rows, 1 + signals); the array is reused after the call."""
+
+    def flush(self) -> None:
+        """Nothing more may come for a while: what was handed over is to be where others can read it."""
+        return
 
     @abstractmethod
     def forget_after(self, time: float) -> None:
@@ -110,3 +115,59 @@ class CsvRecorder(Observer):
         except OSError as error:
             self.close()
             raise CosimError.at(str(self.path), f"cannot be written: {error.strerror}") from error
+
+
+class ArrowRecorder(Observer):
+    """Writes rows to a crash-safe file in columns: an Arrow stream (`seacrane.results.columnar`).
+
+    What was handed over survives the end of the process once it is older than a quarter of a second, and a loss of
+    power once it is older than a second or so. If `path` ends in `.parquet`, the stream is kept beside it as `.arrow`
+    and turned into Parquet when the recorder is closed. `CosimError` if the file cannot be written.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+        self.live = self.path.with_suffix(".arrow")
+        """The stream: what there is after a crash."""
+        self._writer: StreamWriter | None = None
+
+    def open(self, signals: Mapping[str, tuple[str, str]]) -> None:
+        with self._told():
+            self._writer = StreamWriter(self.live, signals)
+
+    def write(self, table: Vector) -> None:
+        if self._writer is not None:
+            with self._told():
+                self._writer.write(table)
+
+    def flush(self) -> None:
+        if self._writer is not None:
+            with self._told():
+                self._writer.flush()
+
+    def forget_after(self, time: float) -> None:
+        if self._writer is not None:
+            with self._told():
+                self._writer.forget_after(time)
+
+    def close(self) -> None:
+        writer, self._writer = self._writer, None
+        if writer is None:
+            return
+        with self._told():
+            writer.close()
+        if self.path != self.live:
+            convert(self.live, self.path)
+            self.live.unlink()
+
+    @contextmanager
+    def _told(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            writer, self._writer = self._writer, None
+            if writer is not None:
+                # What was written before stays readable; that the end is missing is what the error says.
+                with suppress(OSError):
+                    writer.close()
+            raise CosimError.at(str(self.live), f"cannot be written: {error.strerror}") from error

@@ -2,10 +2,12 @@
 
 from typing import TYPE_CHECKING
 
+from seacrane.results.columnar import Converted, StreamWriter
+from seacrane.results.files import convert
 from seacrane.results.plot import bode, family, overlay
 from seacrane.results.recording import Recording, Signal
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Figure
 
-__all__ = ["Recording", "Signal", "bode", "family", "overlay"]
+__all__ = ["Converted", "Recording", "Signal", "StreamWriter", "bode", "convert", "family", "overlay"]

@@ -20,7 +20,8 @@ from seacrane import units
 from seacrane.errors import ParameterError, Problem, nearest
 from seacrane.results.recording import Recording, signals_of
 
-_COLUMN = re.compile(r"^(?P<name>.*\S)\s*\[(?P<unit>[^\[\]]*)\]$")
+COLUMN = re.compile(r"^(?P<name>.*\S)\s*\[(?P<unit>[^\[\]]*)\]$")
+"""A column's heading: its name, and its unit in brackets."""
 
 
 def header(signals: Mapping[str, str]) -> str:
@@ -51,7 +52,12 @@ def write(recording: Recording, path: str | Path) -> None:
 def read(path: str | Path) -> Recording:
     """The recording in a file; `ParameterError` if it is not one, with every column that is wrong."""
     path = Path(path)
-    text = path.read_text(encoding="utf-8")
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise ParameterError.at(str(path), f"cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError:
+        raise ParameterError.at(str(path), "is not a recording: neither text in UTF-8 nor Arrow nor Parquet") from None
     complete = text[: text.rfind("\n") + 1]
     top, _, body = complete.partition("\n")
     if not top:
@@ -73,7 +79,7 @@ def _columns(cells: list[str], path: Path) -> dict[str, str]:
     if cells[0].strip() != "time [s]":
         problems.append(Problem(str(path), "the first column is not the time", cells[0], "time [s]"))
     for cell in cells[1:]:
-        match = _COLUMN.match(cell.strip())
+        match = COLUMN.match(cell.strip())
         if match is None:
             problems.append(Problem(str(path), "a column has no unit", cell, "name [unit]"))
         elif match["unit"] not in units.UNITS:

@@ -152,6 +152,19 @@ class Recording:
 
         return read(path)
 
+    def to_parquet(self, path: str | Path, names: tuple[str, ...] | list[str] | None = None) -> None:
+        """Write the signals (all by default) as Parquet; see `seacrane.results.columnar` for the format."""
+        from seacrane.results.columnar import write
+
+        write(self if names is None else self.select(*names), path)
+
+    @classmethod
+    def read(cls, path: str | Path) -> Recording:
+        """Read a CSV, Arrow or Parquet file, whichever it is, also after a crash of the writer."""
+        from seacrane.results.files import read
+
+        return read(path)
+
     def plot(self, *names: str, unit: str | float | None = None, title: str = "") -> Figure:
         """Plot signals (all by default) over time: one axes for each unit, the time axis shared.
 

@@ -19,7 +19,7 @@ from seacrane.cosim.files import load
 from seacrane.cosim.fmu import FmuSlave
 from seacrane.cosim.function import FunctionSlave
 from seacrane.cosim.model import ModelSlave
-from seacrane.cosim.observers import CsvRecorder, MemoryRecorder, Observer
+from seacrane.cosim.observers import ArrowRecorder, CsvRecorder, MemoryRecorder, Observer
 from seacrane.cosim.osp import read_osp
 from seacrane.cosim.pacing import Pace, RealTime
 from seacrane.cosim.saved import State
@@ -34,6 +34,7 @@ __all__ = [
     "Above",
     "Action",
     "Algorithm",
+    "ArrowRecorder",
     "Below",
     "Bond",
     "BondReport",

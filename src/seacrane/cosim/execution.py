@@ -18,7 +18,7 @@ from seacrane.cosim.actions import Action, Manipulator, Names, Set, check_action
 from seacrane.cosim.algorithms import NANOSECONDS, Algorithm, nanoseconds
 from seacrane.cosim.bonds import ACCOUNT, SIGNALS, BondReport
 from seacrane.cosim.loops import DONE, FAULT, Fault, Loop, NativeLoop, PythonLoop, append
-from seacrane.cosim.observers import CsvRecorder, MemoryRecorder, Observer
+from seacrane.cosim.observers import ArrowRecorder, CsvRecorder, MemoryRecorder, Observer
 from seacrane.cosim.plan import CHANGE, TRIGGER, Plan, Rows
 from seacrane.cosim.saved import State
 from seacrane.cosim.scenario import Scenario, Timed
@@ -32,6 +32,12 @@ from seacrane.results import Recording
 
 STATUS = {0: "OK", 1: "warning", 2: "discard", 3: "error", 4: "fatal", 5: "pending"}
 """FMI 2 status codes (FMI 2.0.4, section 2.1.3)."""
+
+_RECORDERS: Mapping[str, type[CsvRecorder | ArrowRecorder]] = {
+    ".csv": CsvRecorder,
+    ".arrow": ArrowRecorder,
+    ".parquet": ArrowRecorder,
+}
 
 FLUSH_S = 0.15
 """Rows are handed to the observers when this wall time [s] has passed; batches of the loop take far less."""
@@ -272,15 +278,44 @@ class Execution:
 
     # ------------------------------------------------------------ observing
     def record(
-        self, names: Sequence[str] | None = None, *, every: float | None = None, keep: float | None = None
+        self,
+        names: Sequence[str] | None = None,
+        *,
+        every: float | None = None,
+        keep: float | None = None,
+        begin: Condition | None = None,
+        end: Condition | None = None,
     ) -> MemoryRecorder:
         """Record into memory: all outputs and bonds by default, at each macro step or `every` so many seconds.
 
         `every` is taken to the nearest multiple of the macro step. With `keep` only the last so many seconds of
-        simulated time are kept.
+        simulated time are kept. With `begin`, rows come from each point at which that condition comes to hold; with
+        `end`, none come after a point at which that one comes to hold.
         """
         recorder = MemoryRecorder(keep)
-        self.observe(recorder, names, every=every)
+        self.observe(recorder, names, every=every, begin=begin, end=end)
+        return recorder
+
+    def record_file(
+        self,
+        path: str | Path,
+        names: Sequence[str] | None = None,
+        *,
+        every: float | None = None,
+        begin: Condition | None = None,
+        end: Condition | None = None,
+    ) -> Observer:
+        """Record into a file while the run goes on; the rest as for `record`.
+
+        The suffix of the path says its kind: `.csv`, `.arrow` (a stream that survives a crash, see `ArrowRecorder`),
+        or `.parquet` (that stream, turned into Parquet when the run is closed).
+        """
+        kind = _RECORDERS.get(Path(path).suffix)
+        if kind is None:
+            allowed = f"a name that ends in {', '.join(_RECORDERS)}"
+            raise CosimError.at(str(path), "is of no kind of file to record into", allowed=allowed)
+        recorder = kind(path)
+        self.observe(recorder, names, every=every, begin=begin, end=end)
         return recorder
 
     def record_csv(
@@ -291,8 +326,19 @@ class Execution:
         self.observe(recorder, names, every=every)
         return recorder
 
-    def observe(self, observer: Observer, names: Sequence[str] | None = None, *, every: float | None = None) -> None:
-        """Hand rows of these variables to an observer; names and `every` as for `record`."""
+    def observe(
+        self,
+        observer: Observer,
+        names: Sequence[str] | None = None,
+        *,
+        every: float | None = None,
+        begin: Condition | None = None,
+        end: Condition | None = None,
+    ) -> None:
+        """Hand rows of these variables to an observer; all else as for `record`."""
+        problems = [p for c in (begin, end) if c is not None for p in check_conditions([c], self._names)]
+        if problems:
+            raise CosimError(problems)
         if names is None:
             names = [n for n, c in self._causality.items() if c in ("output", "bond")]
         indices, watches = self._resolve(names)
@@ -304,16 +350,18 @@ class Execution:
         recorder = _Recorder(observer, rows)
         self._resources.callback(recorder.close)
         self._recorders.append(recorder)
-        self._plan.rows.append(rows)
-        self._loop.refresh()
-        if self._started:
-            self._first_row(recorder)
+        if begin is None:
+            self._begin_recording(recorder)
+        else:
+            self.when(begin, call=lambda run: run._begin_recording(recorder), once=False)
+        if end is not None:
+            self.when(end, call=lambda run: run._end_recording(recorder), once=False)
 
     def flush(self) -> None:
-        """Hand all rows recorded so far to their observers."""
-        self._flushed = wall.monotonic()
+        """Hand all rows recorded so far to their observers, and let these bring them to where others can read them."""
+        self._hand_over()
         for recorder in self._recorders:
-            recorder.drain()
+            recorder.observer.flush()
 
     # ------------------------------------------------------------ running
     def start(self) -> Self:
@@ -331,7 +379,8 @@ class Execution:
             raise
         self._started = True
         for recorder in self._recorders:
-            self._first_row(recorder)
+            if any(rows is recorder.rows for rows in self._plan.rows):
+                self._first_row(recorder)
         self._look()
         return self
 
@@ -469,7 +518,7 @@ class Execution:
         elif elapsed < BATCH_S / 4 and steps == self._batch:
             self._batch *= 2
         if result != DONE or wall.monotonic() - self._flushed > FLUSH_S:
-            self.flush()
+            self._hand_over()
         if result == FAULT and self._loop.fault is not None:
             self._fail(self._loop.fault)
         self._triggers.fire()
@@ -483,6 +532,23 @@ class Execution:
             self._next_event += 1
             self.apply(event.action)
         return None
+
+    def _hand_over(self) -> None:
+        self._flushed = wall.monotonic()
+        for recorder in self._recorders:
+            recorder.drain()
+
+    def _begin_recording(self, recorder: _Recorder) -> None:
+        if all(rows is not recorder.rows for rows in self._plan.rows):
+            self._plan.rows.append(recorder.rows)
+            self._loop.refresh()
+            if self._started:
+                self._first_row(recorder)
+
+    def _end_recording(self, recorder: _Recorder) -> None:
+        recorder.drain()
+        self._plan.rows = [rows for rows in self._plan.rows if rows is not recorder.rows]
+        self._loop.refresh()
 
     def _look(self) -> None:
         """Do what triggers do that hold from the beginning."""
@@ -511,6 +577,7 @@ class Execution:
         }
 
     def _fail(self, fault: Fault) -> None:
+        self.flush()
         part = self._plan.parts[fault.slave]
         part.instance.failed(fault.status)
         begin, end = self.time, (self._plan.time_ns + self._plan.schedule.step_ns) / 1e9

@@ -70,6 +70,8 @@ class StreamWriter:
         self._file = threading.Lock()
         self._thread = threading.Thread(target=self._work, name="seacrane-recorder", daemon=True)
         try:
+            # The stream writes its schema with the first batch: with one without rows, here.
+            self._encode(np.empty((0, len(self._schema))))
             self._put(self._encoded())
         except BaseException:
             os.close(self._descriptor)
@@ -155,8 +157,7 @@ class StreamWriter:
             if not tables or self._failure is not None:
                 return
             table = np.concatenate(tables)
-            columns = np.ascontiguousarray(table.T)
-            self._stream.write_batch(pa.record_batch([pa.array(c) for c in columns], schema=self._schema))
+            self._encode(table)
             try:
                 self._put(self._encoded())
             except OSError as error:
@@ -165,6 +166,10 @@ class StreamWriter:
                     self._changed.notify_all()
                 return
             self._ends.append((float(table[-1, 0]), self._end))
+
+    def _encode(self, table: Table) -> None:
+        columns = np.ascontiguousarray(table.T)
+        self._stream.write_batch(pa.record_batch([pa.array(c) for c in columns], schema=self._schema))
 
     def _encoded(self) -> bytes:
         """What the stream has put into its buffer since the last time."""
@@ -175,16 +180,16 @@ class StreamWriter:
 
     def _put(self, data: bytes) -> None:
         """Write at the end; all of it or nothing."""
-        rest, at = memoryview(data), self._end
+        rest = memoryview(data)
         try:
+            os.lseek(self._descriptor, self._end, os.SEEK_SET)
             while rest:
-                written = os.pwrite(self._descriptor, rest, at)
-                rest, at = rest[written:], at + written
+                rest = rest[os.write(self._descriptor, rest) :]
         except OSError:
             with suppress(OSError):
                 os.ftruncate(self._descriptor, self._end)
             raise
-        self._end = at
+        self._end += len(data)
 
 
 def _schema(signals: Mapping[str, tuple[str, str]]) -> pa.Schema:

@@ -8,7 +8,7 @@ import time
 import numpy as np
 import pytest
 
-from seacrane.cosim import Execution, FunctionSlave, GaussSeidel, System
+from seacrane.cosim import Above, Execution, FunctionSlave, GaussSeidel, System
 from seacrane.errors import CosimError
 from seacrane.model.dae import Variable
 from seacrane.results import Recording
@@ -112,3 +112,62 @@ def test_a_killed_run_leaves_a_readable_file_that_lacks_a_quarter_of_a_second_at
     assert recording.time[-1] >= last - 0.25
     assert len(recording.names) == 50
     assert recording["f.y49"] == pytest.approx(recording.time, rel=1e-12)
+
+
+# ---------------------------------------------------------------- files in columns, and recording on conditions
+@pytest.mark.parametrize("name", ["run.arrow", "run.parquet", "run.csv"])
+def test_a_file_holds_exactly_what_memory_holds_whatever_its_kind(tmp_path, name):
+    with Execution(clock(), GaussSeidel(0.003)) as run:
+        recorder = run.record()
+        run.record_file(tmp_path / name)
+        run.advance(5.0)
+    ours, file = recorder.recording(), Recording.read(tmp_path / name)
+    assert np.array_equal(ours.time, file.time)
+    assert np.array_equal(ours["clock.t"], file["clock.t"])
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+def test_a_run_that_went_back_has_only_what_happened_in_its_arrow_file(tmp_path):
+    with Execution(clock(), GaussSeidel(0.125)) as run:
+        run.record_file(tmp_path / "run.arrow")
+        run.advance(1.0)
+        state = run.save()
+        run.advance(3.0)
+        run.restore(state)
+        run.advance(2.0)
+    assert Recording.read(tmp_path / "run.arrow").time.tolist() == [0.125 * i for i in range(17)]
+
+
+def test_all_rows_before_a_failure_can_be_read_at_once_from_an_arrow_file(tmp_path):
+    def fails(t, h, u):
+        return [0.0 if t < 0.5 else float("nan")]
+
+    run = Execution(System("s", {"f": FunctionSlave(fails, outputs=[Variable("y")])}), GaussSeidel(0.125))
+    run.record_file(tmp_path / "run.arrow")
+    with pytest.raises(CosimError, match=r"f\.y: is not finite in the step from t = 0\.5 to 0\.625 s"):
+        run.advance(2.0)
+    assert Recording.read(tmp_path / "run.arrow").time.tolist() == [0.0, 0.125, 0.25, 0.375, 0.5]
+
+
+def test_a_file_of_no_known_kind_is_refused(tmp_path):
+    with pytest.raises(CosimError, match=r"run\.xls: is of no kind of file to record into; allowed: a name that ends"):
+        Execution(clock(), GaussSeidel(0.1)).record_file(tmp_path / "run.xls")
+    with pytest.raises(CosimError, match=r"run\.arrow: cannot be written: No such file or directory"):
+        Execution(clock(), GaussSeidel(0.1)).record_file(tmp_path / "nowhere" / "run.arrow")
+
+
+@pytest.mark.parametrize("loop", ["c", "python"])
+def test_recording_begins_and_ends_when_conditions_come_to_hold(loop):
+    saw = FunctionSlave(lambda t, h, u: [(t + h) % 1.0], outputs=[Variable("y")])
+    with Execution(System("s", {"saw": saw}), GaussSeidel(0.125), loop=loop) as run:
+        recorder = run.record(begin=Above("saw.y", 0.3), end=Above("saw.y", 0.7))
+        run.advance(2.25)
+        run.flush()
+    assert recorder.recording().time.tolist() == [0.375, 0.5, 0.625, 0.75, 1.375, 1.5, 1.625, 1.75]
+
+
+def test_a_recording_that_holds_to_its_end_lasts_from_the_start():
+    with Execution(clock(), GaussSeidel(0.25)) as run:
+        recorder = run.record(end=Above("clock.t", 0.6))
+        run.advance(2.0)
+    assert recorder.recording().time.tolist() == [0.0, 0.25, 0.5, 0.75]

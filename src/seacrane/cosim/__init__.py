@@ -22,6 +22,7 @@ from seacrane.cosim.model import ModelSlave
 from seacrane.cosim.observers import ArrowRecorder, CsvRecorder, MemoryRecorder, Observer
 from seacrane.cosim.osp import read_osp
 from seacrane.cosim.pacing import Pace, RealTime
+from seacrane.cosim.recorded import RecordedSlave
 from seacrane.cosim.saved import State
 from seacrane.cosim.scenario import Event, Scenario
 from seacrane.cosim.slave import Instance, Interface, NativeCalls, Slave
@@ -61,6 +62,7 @@ __all__ = [
     "Pace",
     "Ramp",
     "RealTime",
+    "RecordedSlave",
     "Release",
     "Scale",
     "Scenario",

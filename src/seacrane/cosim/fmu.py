@@ -3,30 +3,34 @@
 from __future__ import annotations
 
 import hashlib
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
 
+import numpy as np
+
 from seacrane import fmi
 from seacrane.cosim.compiled import CompiledInstance, started
-from seacrane.cosim.slave import Instance, Interface, Slave, check_values
+from seacrane.cosim.slave import Instance, Interface, NativeCalls, Slave, check_values
 from seacrane.errors import ParameterError, Problem, nearest
 from seacrane.fmi.symbols import known_units, unit_symbol
 from seacrane.model.dae import Variable
 from seacrane.units import UNITS
 
-_REALS = ("Real", "Float64")
-_NO_NUMBERS = ("String", "Binary", "Clock")
+MOST_ELEMENTS = 4096
+"""Elements of an array that are signals; a larger one is left out."""
 
 
 class FmuSlave(Slave):
     """An FMU as a slave. It is read here, and unpacked and loaded when it is first instantiated.
 
+    Its numbers of all types are signals: reals, integers, truths (0 or 1) and enumerations (the numbers of the items);
+    of an array each element, `x[2,3]`, counted from 1. Integers are exact up to 2^53, and what is given to one must be
+    whole. Inputs and outputs are those of that causality; what is local can be recorded as well. What cannot be
+    exchanged, such as texts, binaries and variables in a unit that is unknown here, is `left_out` with the reason.
+
     `parameters` gives values of parameters, and start values of inputs and of other variables that have one, by name,
-    in the units of the FMU; those of type String take texts. Inputs and outputs are its real scalars of that
-    causality; its other real scalars can be recorded as well. What cannot be exchanged, because it is no real scalar
-    or its unit is unknown here, is `left_out`.
+    in the units of the FMU: texts and bytes for what is String or Binary, and the name of an item for an enumeration.
 
     An FMU of both kinds is run for co-simulation unless `kind` is "model-exchange"; then it is integrated here to the
     relative `tolerance`, with its events located.
@@ -37,7 +41,7 @@ class FmuSlave(Slave):
     def __init__(
         self,
         path: str | Path,
-        parameters: Mapping[str, float | str] | None = None,
+        parameters: Mapping[str, float | str | bytes] | None = None,
         *,
         kind: fmi.Kind | None = None,
         tolerance: float | None = None,
@@ -51,34 +55,63 @@ class FmuSlave(Slave):
         self._open = 0
         groups: dict[str, list[Variable]] = {"input": [], "output": [], "parameter": [], "local": [], "start": []}
         left_out = {}
+        self._plain = True
         units = known_units(self.description)
         for v in self.description.variables:
             symbol = unit_symbol(v, units)
-            group = "local" if v.causality == "calculatedParameter" else v.causality
-            real = v.type in _REALS and not v.dimensions
-            if group == "independent":
+            if v.causality == "independent":
                 continue
-            signal = real and not v.negated
-            if v.type in _NO_NUMBERS or v.dimensions or symbol is None or (not signal and group != "parameter"):
-                left_out[v.name] = _why_not(v)
-            else:
-                groups.setdefault(group, []).append(_variable(v, symbol))
-                if group == "local" and v.start is not None:
-                    groups["start"].append(_variable(v, symbol))
+            reason = _why_not(v, symbol)
+            if not reason and v.causality != "parameter" and not _is_plain(v) and not fmi.exchanges_all_types():
+                reason = f"it is {v.type}, which needs a C compiler to be exchanged"
+            if reason or symbol is None:
+                left_out[v.name] = reason
+                continue
+            group = "local" if v.causality == "calculatedParameter" else v.causality
+            signals = _signals(v, symbol)
+            groups[group] += signals
+            if group in ("local", "output") and v.initial in ("exact", "approx") and v.variability != "constant":
+                groups["start"] += signals
+            if group != "parameter":
+                self._plain = self._plain and _is_plain(v)
         self.left_out = tuple(left_out)
-        settable = (*groups["parameter"], *groups["input"], *groups["start"])
-        numbers = {n: v for n, v in self.parameters.items() if not isinstance(v, str)}
-        self._texts = {n: v for n, v in self.parameters.items() if isinstance(v, str)}
-        self._check_texts()
-        check_values(numbers, settable, self.path.name)
+        numbers, self._others = self._sorted_parameters()
+        check_values(numbers, (*groups["parameter"], *groups["input"], *groups["start"]), self.path.name)
         self._numbers = numbers
         self._interface = Interface(
             inputs=started(groups["input"], numbers),
-            outputs=tuple(groups["output"]),
+            outputs=started(groups["output"], numbers),
             parameters=started(groups["parameter"], numbers),
-            watchable=tuple(groups["local"]),
+            watchable=started(groups["local"], numbers),
             left_out=left_out,
         )
+
+    def _sorted_parameters(self) -> tuple[dict[str, float], dict[str, str | bytes]]:
+        """What was given as numbers, names of items turned into them, and what was given as text or bytes."""
+        numbers: dict[str, float] = {}
+        others: dict[str, str | bytes] = {}
+        problems = []
+        texts = [v.name for v in self.description.variables if v.type in ("String", "Binary") and not v.dimensions]
+        for name, value in self.parameters.items():
+            v = self.description.by_name.get(name)
+            if not isinstance(value, (str, bytes)):
+                numbers[name] = float(value)
+            elif v is not None and v.items and isinstance(value, str):
+                if value in v.items:
+                    numbers[name] = v.items[value]
+                else:
+                    problems.append(Problem(f"{self.path.name}.{name}", "no such item", value, ", ".join(v.items)))
+            else:
+                kind = "String" if isinstance(value, str) else "Binary"
+                if v is None or v.type != kind or v.dimensions:
+                    hint = nearest(name, texts)
+                    problems.append(
+                        Problem(f"{self.path.name}.{name}", f"no such variable of type {kind}", value, hint=hint)
+                    )
+                others[name] = value
+        if problems:
+            raise ParameterError(problems)
+        return numbers, others
 
     @property
     def interface(self) -> Interface:
@@ -98,31 +131,25 @@ class FmuSlave(Slave):
         """A new instance. The FMU is unpacked and loaded with the first and gone with the last that is open."""
         fmu = self._loaded = self._loaded or fmi.Fmu(self.path, self.kind)
         self._open += 1
-        references = {v.name: v.value_reference for v in self.description.variables if v.type in _REALS}
         try:
             inner = fmu.instantiate(name, tolerance=self.tolerance)
         except BaseException:
             self._closed()
             raise
-        instance = FmuSlaveInstance(name, inner, self._interface, references, self._closed)
         try:
-            if self._texts:
-                inner.set(list(self._texts), list(self._texts.values()))
+            instance = FmuSlaveInstance(name, inner, self._interface, self._plain, self._closed)
+        except BaseException:
+            inner.close()
+            self._closed()
+            raise
+        try:
+            if self._others:
+                inner.set(list(self._others), list(self._others.values()))
             instance.set(self._numbers)
         except BaseException:
             instance.close()
             raise
         return instance
-
-    def _check_texts(self) -> None:
-        known = [v.name for v in self.description.variables if v.type == "String" and not v.dimensions]
-        problems = [
-            Problem(f"{self.path.name}.{name}", "no such variable of type String", text, hint=nearest(name, known))
-            for name, text in self._texts.items()
-            if name not in known
-        ]
-        if problems:
-            raise ParameterError(problems)
 
     def _closed(self) -> None:
         self._open -= 1
@@ -137,28 +164,37 @@ class FmuSlaveInstance(CompiledInstance):
     inner: fmi.FmuInstance
 
     def __init__(
-        self,
-        name: str,
-        inner: fmi.FmuInstance,
-        interface: Interface,
-        references: Mapping[str, int],
-        closed: Callable[[], None],
+        self, name: str, inner: fmi.FmuInstance, interface: Interface, plain: bool, closed: Callable[[], None]
     ) -> None:
+        names = [v.name for v in (*interface.inputs, *interface.outputs, *interface.watchable)]
+        variables = inner.fmu.description.by_name
+        references = {n: variables[n].value_reference for n in names} if plain else {}
         super().__init__(name, inner, interface, references)
+        self._exchange: fmi.Exchange | None = None
+        if not plain:
+            exchange = self._exchange = inner.exchange(names)
+            calls = exchange.calls
+            self.calls = NativeCalls(
+                exchange.handle, calls.set, calls.step, calls.get, exchange.references, calls.derive
+            )
         self._begun = self._over = False
         self._told_when_closed = closed
 
     def set(self, values: Mapping[str, float]) -> None:
         if self._begun:
-            variables = self.inner.fmu.description.by_name
             problems = [
-                Problem(f"{self._name}.{n}", f"is {variables[n].variability} and can be set before the start only")
+                Problem(f"{self._name}.{n}", f"is {v.variability} and can be set before the start only")
                 for n in values
-                if variables[n].variability != "tunable"
+                if (v := self.inner.variable(n)).variability != "tunable"
             ]
             if problems:
                 raise ParameterError(problems)
         super().set(values)
+
+    def restore(self, state: bytes) -> None:
+        super().restore(state)
+        if self._exchange is not None:
+            self._exchange.forget()
 
     def initialise(self, time: float) -> None:
         self._give()
@@ -176,30 +212,49 @@ class FmuSlaveInstance(CompiledInstance):
 
     @property
     def message(self) -> str:
-        return self.inner.last_log
+        said = self.inner.last_log
+        return said or (self._exchange.message if self._exchange is not None else "")
 
     def failed(self, status: int) -> None:
         self.inner.note_failure(status)
 
 
-def _why_not(v: fmi.Variable) -> str:
-    """Why a variable cannot be exchanged."""
-    if v.dimensions:
-        return f"it is an array of {v.type}"
-    if v.negated:
-        return "it is the negative of another variable"
-    return f"its unit {v.unit!r} is unknown here" if v.type in _REALS else f"it is {v.type}"
+def _why_not(v: fmi.Variable, symbol: str | None) -> str:
+    """Why a variable cannot be exchanged; empty if it can."""
+    if v.type == "Clock":
+        return "it is a clock, and clocks are not supported"
+    if v.type in ("String", "Binary"):
+        return f"it is {v.type}, which is no signal, and can be given as a parameter"
+    if v.causality == "structuralParameter":
+        return "it sizes arrays, and changing it is not supported"
+    if v.count > MOST_ELEMENTS:
+        return f"it is an array of {v.count} elements, more than {MOST_ELEMENTS}"
+    return "" if symbol is not None else f"its unit {v.unit!r} is unknown here"
 
 
-def _variable(v: fmi.Variable, symbol: str) -> Variable:
-    start = float(v.start) if isinstance(v.start, (int, float)) else 0.0
-    return Variable(
-        v.name,
-        symbol,
-        start,
-        v.nominal or 1.0,
-        -math.inf if v.minimum is None else v.minimum,
-        math.inf if v.maximum is None else v.maximum,
-        v.description,
-        v.display_unit if v.display_unit in UNITS else "",
-    )
+def _is_plain(v: fmi.Variable) -> bool:
+    """Whether the FMU's own functions for real numbers exchange it."""
+    return v.type in ("Real", "Float64") and not v.dimensions and not v.negated
+
+
+def _signals(v: fmi.Variable, symbol: str) -> list[Variable]:
+    """The variable, or each element of an array."""
+    low, high = fmi.bounds(v)
+    about = v.description
+    if v.items:
+        about = "; ".join(filter(None, (about, ", ".join(f"{n} {name}" for name, n in v.items.items()))))
+    starts = v.start if isinstance(v.start, tuple) else (v.start,)
+    places: Iterable[tuple[int, ...]] = np.ndindex(*v.shape) if v.dimensions else ((),)
+    return [
+        Variable(
+            f"{v.name}[{','.join(str(n + 1) for n in place)}]" if v.dimensions else v.name,
+            symbol,
+            float(start) if isinstance(start := starts[i if len(starts) == v.count else 0], (int, float)) else 0.0,
+            v.nominal or 1.0,
+            low if v.minimum is None else max(low, v.minimum),
+            high if v.maximum is None else min(high, v.maximum),
+            about,
+            v.display_unit if v.display_unit in UNITS else "",
+        )
+        for i, place in enumerate(places)
+    ]

@@ -17,12 +17,14 @@ from seacrane.fmi.export import cached, export
 from seacrane.fmi.fmu import Fmu, Kind, read
 from seacrane.fmi.instance import FmuInstance
 from seacrane.fmi.simulate import Deviation, compare, parse, run
+from seacrane.fmi.typed import Exchange, bounds, exchanges_all_types
 from seacrane.fmi.wasm import export_wasm
 
 __all__ = [
     "CoSimulation",
     "Deviation",
     "Dimension",
+    "Exchange",
     "Experiment",
     "Fmu",
     "FmuError",
@@ -34,9 +36,11 @@ __all__ = [
     "UnitDefinition",
     "Unknown",
     "Variable",
+    "bounds",
     "cached",
     "check",
     "compare",
+    "exchanges_all_types",
     "export",
     "export_wasm",
     "parse",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from ctypes import addressof, c_char, c_double, c_int, c_int64, c_size_t, c_uint32, c_void_p
+from dataclasses import dataclass
 from functools import cache
 from typing import Any, Final
 
@@ -43,7 +44,7 @@ _SAVED: Final = slice(State.time.offset, State.message.offset)
 @cache
 def adapter() -> ctypes.CDLL:
     """The compiled adapter. `CompileError` if there is no C compiler."""
-    library = ctypes.CDLL(str(build_library("foreign", source("foreign.c", "logger.c"))))
+    library = ctypes.CDLL(str(build_library("foreign", source("foreign.c", "logger.c", "typed.c"))))
     library.seacrane_foreign_room.restype = c_size_t
     library.seacrane_foreign_room.argtypes = [c_int64, c_int64]
     library.seacrane_foreign_begin.argtypes = [c_void_p, c_double]
@@ -51,6 +52,19 @@ def adapter() -> ctypes.CDLL:
     library.seacrane_foreign_states.argtypes = [c_void_p, c_void_p]
     library.seacrane_foreign_step.argtypes = [c_void_p, c_double, c_double, c_int]
     return library
+
+
+@dataclass(frozen=True)
+class Calls:
+    """Addresses of C functions with the signatures of fmi2SetReal, fmi2GetReal and fmi2DoStep.
+
+    `derive` is that of fmi2SetRealInputDerivatives, 0 if the FMU holds its inputs over a step.
+    """
+
+    set: int
+    get: int
+    step: int
+    derive: int = 0
 
 
 class Foreign:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Sequence
 from ctypes import byref, c_size_t, c_void_p
-from dataclasses import dataclass
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Final, Self
 
@@ -17,9 +16,10 @@ from seacrane.fmi.api import FMI1, FMI2, FMI3, address
 from seacrane.fmi.component import Component
 from seacrane.fmi.creation import create
 from seacrane.fmi.description import Variable
-from seacrane.fmi.foreign import Foreign
+from seacrane.fmi.foreign import Calls, Foreign
 from seacrane.fmi.logs import ERROR, FATAL, OK, Log
 from seacrane.fmi.sensitivities import Sensitivities
+from seacrane.fmi.typed import Exchange
 from seacrane.fmi.values import Name, Values
 
 if TYPE_CHECKING:
@@ -28,19 +28,6 @@ if TYPE_CHECKING:
 INSTANTIATED: Final = "before the start"
 INITIALIZING: Final = "in initialization"
 RUNNING: Final = "while it runs"
-
-
-@dataclass(frozen=True)
-class Calls:
-    """Addresses of C functions with the signatures of fmi2SetReal, fmi2GetReal and fmi2DoStep.
-
-    `derive` is that of fmi2SetRealInputDerivatives, 0 if the FMU holds its inputs over a step.
-    """
-
-    set: int
-    get: int
-    step: int
-    derive: int = 0
 
 
 class FmuInstance(Sensitivities):
@@ -120,6 +107,21 @@ class FmuInstance(Sensitivities):
             return self._values.get([names])[0][0]
         values, reals = self._values.get(list(names))
         return np.array(values, dtype=np.float64) if reals else values
+
+    def variable(self, name: str) -> Variable:
+        """The variable of this name, or the array of which this is an element; `FmuError` if there is none."""
+        return self._values.find([name])[0][0]
+
+    def exchange(self, names: Sequence[str]) -> Exchange:
+        """C functions that set and get variables of all types, and elements of arrays, as real numbers.
+
+        `CompileError` if there is no C compiler.
+        """
+        found = self._values.find(names)
+        enter_events = address(self._foreign.c.seacrane_foreign_open) if self._foreign is not None else None
+        inner = (self.handle, self.calls, enter_events)
+        signals = dict(zip(names, found, strict=True))
+        return Exchange(self.fmu.library, self._api, self._c.live, inner, signals)
 
     def _forbidden(self, v: Variable) -> Problem | None:
         """Why a variable cannot be set now (FMI 2.0.4, section 2.2.7 and the state machines; FMI 3.0.1 alike)."""

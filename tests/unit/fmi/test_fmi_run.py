@@ -10,6 +10,7 @@ import pytest
 
 from seacrane import fmi
 from seacrane.cli import main
+from seacrane.cosim import Execution, FmuSlave, GaussSeidel, System
 from seacrane.errors import FmuError, ParameterError
 from seacrane.model.dae import Dae
 from seacrane.results import Recording, Signal
@@ -72,6 +73,19 @@ def test_types_of_anothers_fmu_are_set_and_read(tank: Path) -> None:
         slave.set("inflow", 1.0)
         slave.step(0.0, 0.1)
         assert slave.get(["label", "open", "level", "steps"]) == ["barrel", False, 0.5, 1]
+
+
+@pytest.mark.parametrize("loop", ["c", "python"])
+def test_numbers_of_all_types_of_anothers_fmu_are_signals(tank: Path, loop: Literal["c", "python"]) -> None:
+    slave = FmuSlave(tank, {"label": "barrel", "open": True})
+    with Execution(System("s", {"tank": slave}), GaussSeidel(0.1), loop=loop) as run:
+        run.set("tank.inflow", 1.0)
+        recording = run.run(1.0)
+        assert list(recording["tank.steps"]) == list(range(11))
+        assert recording["tank.level"][-1] == pytest.approx(0.5 + 1.0 / 2)
+        run.set("tank.open", 0.0)
+        run.step()
+        assert run.values(["tank.level"])[0] == recording["tank.level"][-1]
 
 
 def test_two_runs_are_compared_with_the_worst_first(piston_fmu: Path) -> None:

@@ -136,6 +136,7 @@ def test_it_is_a_slave_of_a_system_in_both_loops(lowpass: Path) -> None:
             run.set("one.u", 1.0)
             recording = run.run(1.0)
             tables.append([recording["one.x"], recording["two.x"]])
+            assert np.array_equal(recording["two.minus x"], -recording["two.x"])
     assert np.array_equal(*tables)
     assert tables[0][0] == pytest.approx(GAIN * (1 - np.exp(-np.linspace(0, 1, 101) / T)), abs=1e-12)
 

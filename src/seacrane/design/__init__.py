@@ -4,7 +4,7 @@ crane = design.load("offshore-100t")
 design.geometry.radius(crane, {"luff": 50 * deg, "jib": -70 * deg})
 """
 
-from seacrane.design import chart, geometry, planar, workspace
+from seacrane.design import chart, geometry, mass, mesh, parts, planar, standard, workspace
 from seacrane.design.crane import (
     FOOT,
     FORMAT,
@@ -44,9 +44,13 @@ __all__ = [
     "geometry",
     "load",
     "loads",
+    "mass",
+    "mesh",
     "names",
+    "parts",
     "planar",
     "save",
+    "standard",
     "to_json",
     "workspace",
 ]

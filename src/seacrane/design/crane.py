@@ -15,6 +15,7 @@ from typing import Annotated, Final, Literal, NoReturn
 
 from msgspec import Meta, Struct, field
 
+from seacrane.design.parts import Part
 from seacrane.units import (
     Angle,
     AngularSpeed,
@@ -64,6 +65,7 @@ class Link(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         tuple[Inertia, Inertia, Inertia],
         Meta(description="moments of inertia about the centre of mass, along the link's axes; no products"),
     ]
+    parts: Annotated[tuple[Part, ...], Meta(description="what it is built from")] = ()
 
 
 class Attachment(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

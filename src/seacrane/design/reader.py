@@ -69,6 +69,8 @@ def _plain(value: Any) -> Any:
     """Dicts and lists without the absent values."""
     if hasattr(value, "__struct_fields__"):
         fields = {name: getattr(value, name) for name in value.__struct_fields__}
+        if value.__struct_config__.tag:
+            fields = {"kind": value.__struct_config__.tag} | fields
         return {name: _plain(field) for name, field in fields.items() if field is not None}
     if isinstance(value, tuple):
         return [_plain(item) for item in value]

@@ -138,6 +138,7 @@ def _parts(tree: Tree) -> list[Problem]:
     for path, link in _named(tree, "links"):
         problems += _inertia(f"{path}.inertia", link.get("inertia"))
         problems += _joint(f"{path}.joint", link.get("joint", {}))
+        problems += _shapes(path, link)
     for path, cylinder in _named(tree, "cylinders"):
         if cylinder.get("rod", 0.0) >= cylinder.get("bore", math.inf):
             problems.append(
@@ -194,6 +195,57 @@ def _joint(path: str, joint: Tree) -> list[Problem]:
             )
         ]
     return []
+
+
+def _shapes(path: str, link: Tree) -> Iterator[Problem]:
+    """Parts that cannot be built as they are drawn: plates thicker than the part, eyes wider than their plate."""
+    names = [part.get("name") for _, part in _named(link, "parts")]
+    for name in sorted({str(n) for n in names if n is not None and names.count(n) > 1}):
+        yield Problem(f"{path}.parts", f"{name!r} is the name of two parts")
+    for at, part in _named(link, "parts"):
+        for field, most, what in _bounds_of(part):
+            value = part.get(field)
+            if value is not None and math.isfinite(most) and not value < most:
+                yield Problem(f"{path}.{at}.{field}", f"must be less than {what}", value, f"below {most:.4g} m")
+        stations = part.get("stations", ())
+        places = [s["x"] for s in stations if "x" in s]
+        if any(b <= a for a, b in itertools.pairwise(places)):
+            yield Problem(f"{path}.{at}.stations", "x must grow from station to station", value=places)
+        for number, station in enumerate(stations):
+            if station.get("top", math.inf) <= station.get("bottom", -math.inf):
+                yield Problem(f"{path}.{at}.stations[{number}].top", "must be above the bottom", station["top"])
+        if part.get("start") is not None and part.get("start") == part.get("end"):
+            yield Problem(f"{path}.{at}.end", "is where the tube starts", value=part["end"])
+        if min(part.get("size", (1.0,))) <= 0:
+            yield Problem(f"{path}.{at}.size", "must be above 0 m along every axis", value=part["size"])
+
+
+def _bounds_of(part: Tree) -> Iterator[tuple[str, float, str]]:
+    """Fields of a part with what they must stay below, and its name."""
+    nan = math.nan
+    kind = part.get("kind")
+    if kind == "girder":
+        sizes = [s.get("width", nan) for s in part.get("stations", ())]
+        sizes += [s.get("top", nan) - s.get("bottom", nan) for s in part.get("stations", ())]
+        yield "thickness", 0.5 * min(sizes, default=nan), "half of the narrowest section"
+        places = [s.get("x", nan) for s in part.get("stations", ())]
+        yield "thickness", 0.5 * (places[-1] - places[0]) if places else nan, "half of the length"
+    elif kind == "tube":
+        yield "thickness", 0.5 * min(part.get("diameter", nan), part.get("end_diameter", nan)), "the radius"
+    elif kind == "lug":
+        yield "hole", 2 * part.get("radius", nan), "the plate about it"
+    elif kind == "sheave":
+        yield "groove", part.get("radius", nan) - 0.5 * part.get("hole", nan), "what is left about the pin"
+        yield "hole", 2 * part.get("radius", nan), "the sheave"
+    elif kind == "drum":
+        yield (
+            "thickness",
+            min(part.get("radius", nan), 0.5 * part.get("length", nan)),
+            "the barrel's radius, half its length",
+        )
+        yield "radius", part.get("flange", nan), "that of the flanges"
+    elif kind == "box":
+        yield "thickness", 0.5 * min(part.get("size", (nan,))), "half of the shortest side"
 
 
 def _between(tree: Tree, path: str, cylinder: Tree) -> list[Problem]:

@@ -18,6 +18,9 @@ from seacrane.design.crane import Joint
 from seacrane.errors import Problem, UnitError, nearest
 from seacrane.units import UNITS, Length, Quantity, compatible, in_unit, labelled, parse
 
+_KIND: Final = "kind"
+"""The field that says which of several records one is."""
+
 UNREAD: Final = object()
 """Stands for what could not be read."""
 
@@ -28,10 +31,15 @@ Tree = dict[str, Any]
 def plain(value: Any) -> Any:
     """Records as dicts and tuples as lists, as they would stand in a file."""
     if isinstance(value, msgspec.Struct):
-        return {name: plain(getattr(value, name)) for name in value.__struct_fields__}
+        tag = {_KIND: value.__struct_config__.tag} if value.__struct_config__.tag else {}
+        return tag | {name: plain(getattr(value, name)) for name in value.__struct_fields__}
     if isinstance(value, list | tuple):
         return [plain(item) for item in value]
     return value
+
+
+def _tag(record: type[msgspec.Struct]) -> str:
+    return str(record.__struct_config__.tag)
 
 
 @functools.cache
@@ -53,8 +61,11 @@ def _peel(annotation: Any) -> tuple[Any, list[Any], bool]:
             annotation, *more = get_args(annotation)
             extras += more
         elif get_origin(annotation) in (Union, types.UnionType):
-            annotation = next(a for a in get_args(annotation) if a is not type(None))
-            optional = True
+            some = [a for a in get_args(annotation) if a is not type(None)]
+            optional = len(some) < len(get_args(annotation))
+            if len(some) > 1:
+                return {_tag(record): record for record in some}, extras, optional
+            annotation = some[0]
         else:
             return annotation, extras, optional
 
@@ -64,8 +75,11 @@ def build(annotation: Any, tree: Any) -> Any:
     kind, _, _ = _peel(annotation)
     if tree is None:
         return None
+    if isinstance(kind, dict):
+        kind = kind[tree[_KIND]]
     if isinstance(kind, type) and issubclass(kind, msgspec.Struct):
-        return kind(**{name: build(_hints(kind)[name], value) for name, value in tree.items()})
+        hints = _hints(kind)
+        return kind(**{name: build(hints[name], value) for name, value in tree.items() if name in hints})
     if get_origin(kind) is tuple:
         inner = get_args(kind)
         return tuple(build(inner[0], item) for item in tree)  # a design has only tuples of one type
@@ -93,6 +107,8 @@ class Walk:
         kind, extras, optional = _peel(annotation)
         if raw is None and optional:
             return None
+        if isinstance(kind, dict):
+            return self.variant(raw, kind, path)
         if isinstance(kind, type) and issubclass(kind, msgspec.Struct):
             return self.record(raw, kind, path)
         if get_origin(kind) is tuple:
@@ -124,6 +140,18 @@ class Walk:
             elif _fields(kind)[name].required:
                 self.unread(_join(path, name), "is missing" + _about(hint))
         return result
+
+    def variant(self, raw: Any, kinds: dict[str, type[msgspec.Struct]], path: str) -> Any:
+        """A record that says by its `kind` which of several it is."""
+        if not isinstance(raw, Mapping):
+            return self.unread(path, f"must be an object with a {_KIND!r}", value=raw, allowed=", ".join(kinds))
+        tag = raw.get(_KIND)
+        if tag not in kinds:
+            what = "is missing" if tag is None else "is none of the known values"
+            hint = nearest(tag, kinds) if isinstance(tag, str) else None
+            return self.unread(_join(path, _KIND), what, value=tag, allowed=", ".join(kinds), hint=hint)
+        tree = self.record({name: value for name, value in raw.items() if name != _KIND}, kinds[tag], path)
+        return tree if tree is UNREAD else {_KIND: tag, **tree}
 
     def series(self, raw: Any, kind: Any, extras: list[Any], path: str) -> Any:
         inner = get_args(kind)

@@ -1,0 +1,81 @@
+"""Mass, centre and inertia of parts and links, from the volume that their meshes enclose.
+
+Every triangle and the origin span a tetrahedron with a signed volume; volume, first and second moments of a closed
+surface are the sums over all (B. Mirtich, Fast and accurate computation of polyhedral mass properties, Journal of
+Graphics Tools 1(2), 1996, does the same by surface integrals).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import msgspec
+import numpy as np
+
+from seacrane.design.crane import Crane, Link
+from seacrane.design.mesh import Array, Mesh, mesh
+from seacrane.design.parts import Part
+
+
+@dataclass(frozen=True, eq=False)
+class MassProperties:
+    """mass [kg]; centre (3,) [m]; inertia (3, 3) [kg.m2] about the centre, along the axes of the frame."""
+
+    mass: float
+    centre: Array
+    inertia: Array
+
+
+def of_mesh(surface: Mesh, density: float) -> MassProperties:
+    """Mass properties of what a closed mesh encloses, at a density [kg/m3]."""
+    a, b, c = (surface.vertices[surface.faces[:, k]] for k in range(3))
+    volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
+    volume = float(volumes.sum())
+    centre = (volumes[:, None] * (a + b + c)).sum(axis=0) / 4 / volume
+    a, b, c = a - centre, b - centre, c - centre
+    volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
+    total = a + b + c
+    second = sum(np.einsum("n,ni,nj->ij", volumes, p, p) for p in (a, b, c, total)) / 20
+    return MassProperties(density * volume, centre, density * (np.trace(second) * np.eye(3) - second))
+
+
+def of_part(part: Part) -> MassProperties:
+    """Mass properties of a part in the frame of its link."""
+    return of_mesh(mesh(part), part.density)
+
+
+def combined(bodies: Iterable[MassProperties]) -> MassProperties:
+    """Several bodies fixed to each other as one (Steiner's theorem); at least one."""
+    bodies = list(bodies)
+    mass = sum(body.mass for body in bodies)
+    centre = sum((body.mass * body.centre for body in bodies), np.zeros(3)) / mass
+    inertia = np.zeros((3, 3))
+    for body in bodies:
+        d = body.centre - centre
+        inertia += body.inertia + body.mass * (float(d @ d) * np.eye(3) - np.outer(d, d))
+    return MassProperties(mass, centre, inertia)
+
+
+def of_link(link: Link) -> MassProperties:
+    """Mass properties of the parts of a link together; a link without parts has those that the design gives it."""
+    if link.parts:
+        return combined(of_part(part) for part in link.parts)
+    return MassProperties(link.mass, np.array(link.com, float), np.diag(link.inertia))
+
+
+def weighed(crane: Crane) -> Crane:
+    """The crane with mass, centre and moments of inertia of each link taken from its parts, where it has any.
+
+    Products of inertia are left out, as everywhere in a design: a part in the plane of the crane has one small one.
+    """
+
+    def link(old: Link) -> Link:
+        if not old.parts:
+            return old
+        body = of_link(old)
+        x, y, z = (float(v) for v in body.centre)
+        xx, yy, zz = (float(v) for v in np.diag(body.inertia))
+        return msgspec.structs.replace(old, mass=body.mass, com=(x, y, z), inertia=(xx, yy, zz))
+
+    return msgspec.structs.replace(crane, links=tuple(link(old) for old in crane.links))

@@ -29,6 +29,7 @@ from seacrane.cosim.slave import Instance, Interface, NativeCalls, Slave
 from seacrane.cosim.structure import Bond, Connection, Connector, Experiment, Transformation
 from seacrane.cosim.system import System
 from seacrane.cosim.triggers import Above, Below, Condition
+from seacrane.cosim.watchdog import Late
 
 __all__ = [
     "ALGORITHMS",
@@ -53,6 +54,7 @@ __all__ = [
     "Instance",
     "Interface",
     "Jacobi",
+    "Late",
     "MemoryRecorder",
     "ModelSlave",
     "NativeCalls",

@@ -26,6 +26,7 @@ from seacrane.cosim.slave import Vector
 from seacrane.cosim.startup import settle
 from seacrane.cosim.system import System
 from seacrane.cosim.triggers import Condition, Trigger, Triggers, check_conditions
+from seacrane.cosim.watchdog import Late, Watchdog
 from seacrane.errors import CompileError, CosimError, ParameterError, Problem, SeacraneError, nearest
 from seacrane.model.dae import Variable
 from seacrane.results import Recording
@@ -70,6 +71,10 @@ class Execution:
 
     A failure of a slave raises `CosimError` with slave, variable and time, and ends the run: what was recorded stays
     readable, `error` holds the error, and only `restore` brings the run back.
+
+    With a `time_limit` [s] of wall time for one step of a slave, one that takes longer is logged by name while it is at
+    work (`seacrane.cosim.watchdog`), and in `late`. It cannot be interrupted; when it has come back, the run ends with
+    a `CosimError`, or goes on if `when_late` is `"warn"`.
     """
 
     def __init__(
@@ -79,6 +84,8 @@ class Execution:
         *,
         start: float = 0.0,
         loop: Literal["auto", "c", "python"] = "auto",
+        time_limit: float | None = None,
+        when_late: Literal["stop", "warn"] = "stop",
     ) -> None:
         if not system.slaves:
             raise CosimError.at(system.name, "has no slaves", hint="Add one with system.add(name, slave).")
@@ -108,6 +115,7 @@ class Execution:
         self._events: tuple[Timed, ...] = ()
         self._next_event = 0
         self._paused = False
+        self._watchdog = self._guarded(time_limit, when_late)
         self._recorders: list[_Recorder] = []
         self._inputs_set: dict[str, float] = {}
         self._started = False
@@ -147,6 +155,11 @@ class Execution:
     def error(self) -> SeacraneError | None:
         """What ended the run, if something did."""
         return self._error
+
+    @property
+    def late(self) -> tuple[Late, ...]:
+        """Of each slave that took longer than the time limit, the last such call, at work still or not."""
+        return tuple(self._watchdog.late) if self._watchdog is not None else ()
 
     @property
     def usage(self) -> Usage:
@@ -392,17 +405,20 @@ class Execution:
         self._paused = True
         self._plan.stop[0] = 1
 
-    def step(self, steps: int = 1) -> None:
-        """Do so many macro steps; fewer if `pause` is called."""
+    def step(self, steps: int = 1) -> bool:
+        """Do so many macro steps; whether they were all done, and `pause` was not called."""
         self.start()
         self._ready()
         target = self._plan.done + steps
-        while self._plan.done < target and not self._pausing():
+        while self._plan.done < target:
+            if self._pausing():
+                return False
             self._run_batch(min(self._batch, target - self._plan.done))
+        return not self._pausing()
 
-    def advance(self, until: float) -> None:
-        """Go on to the first communication point at or after `until` [s]; nothing if that has passed."""
-        self.step(self.steps_to(until))
+    def advance(self, until: float) -> bool:
+        """Go on to the first communication point at or after `until` [s], or to a `pause`; whether it was reached."""
+        return self.step(self.steps_to(until))
 
     def run(self, until: float, progress: Callable[[float, float], None] | None = None) -> Recording:
         """Start if need be, advance to `until` [s], and give what the first recorder in memory holds.
@@ -415,7 +431,9 @@ class Execution:
             recorder = self.record()
         self.start()
         told = wall.monotonic()
-        while (remaining := self.steps_to(until)) > 0 and not self._pausing():
+        while (remaining := self.steps_to(until)) > 0:
+            if self._pausing():
+                break
             self._ready()
             self._run_batch(min(self._batch, remaining))
             if progress is not None and (wall.monotonic() - told >= 0.1 or remaining <= self._batch):
@@ -468,6 +486,7 @@ class Execution:
         plan.triggers[:] = np.frombuffer(state.triggers, TRIGGER)
         plan.put_changes(np.frombuffer(state.changes, CHANGE))
         plan.calls[:] = 0
+        plan.stop[0] = 0
         self._next_event = state.events
         self._loop.refresh()
         self._error = None
@@ -506,6 +525,8 @@ class Execution:
         plan = self._plan
         if (event := self._due()) is not None:
             steps = min(steps, -(-(event - plan.time_ns) // plan.schedule.step_ns))
+        if self._watchdog is not None:
+            self._watchdog.time = self.time
         before = plan.done
         wall_before, cpu_before = wall.perf_counter(), wall.thread_time()
         result = self._loop.run(steps)
@@ -521,7 +542,34 @@ class Execution:
             self._hand_over()
         if result == FAULT and self._loop.fault is not None:
             self._fail(self._loop.fault)
+        if self._watchdog is not None and self._watchdog.end and self.late:
+            self._fail_late()
         self._triggers.fire()
+
+    def _guarded(self, limit: float | None, when_late: str) -> Watchdog | None:
+        if limit is None:
+            return None
+        if not limit > 0:
+            raise CosimError.at("time_limit", "must be positive", value=limit)
+        names = [part.name for part in self._plan.parts]
+        watchdog = Watchdog(names, self._plan.calls, self._plan.stop, limit, when_late == "stop")
+        self._resources.callback(watchdog.close)
+        return watchdog
+
+    def _fail_late(self) -> None:
+        self.flush()
+        assert self._watchdog is not None
+        begin = self.time - self.macro_step
+        limit = f"at most {self._watchdog.limit:g} s of wall time"
+        self._error = CosimError(
+            Problem(
+                call.slave, f"took too long in the step from t = {begin:.9g} to {self.time:.9g} s", call.seconds, limit
+            )
+            for call in self.late
+        )
+        self._watchdog.late = []
+        self._plan.stop[0] = 0
+        raise self._error
 
     def _due(self) -> int | None:
         """Carry out the events that are due; when the next one is [ns]."""

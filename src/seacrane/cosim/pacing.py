@@ -83,17 +83,27 @@ class RealTime:
         return self._origin is not None
 
     def advance(self, until: float) -> None:
-        """Advance the run to the first communication point at or after `until` [s]; starts it, and ends a pause."""
+        """Advance the run to the first communication point at or after `until` [s]; starts it, and ends a pause.
+
+        It returns earlier, and pauses, if `Execution.pause` is called.
+        """
         run = self._run.start()
         for _ in range(run.steps_to(until)):
             due, begun = self._wait()
-            run.step()
+            before = run.time
+            reached = run.step()
+            if run.time == before:
+                break
             ended = self._clock()
             self._lateness[self._steps % MEMORY] = begun - due
             self._worst = max(self._worst, begun - due)
             self._busy += ended - begun
             self._overruns += ended > due + run.macro_step / self._speed
             self._steps += 1
+            if not reached:
+                break
+        if run.steps_to(until) > 0:
+            self.pause()
 
     def pause(self) -> None:
         """Let wall time pass without counting it, until the next `advance`; hands over what was recorded."""

@@ -2,6 +2,7 @@
 
 import ctypes
 import math
+import time
 
 import pytest
 
@@ -14,7 +15,8 @@ SOURCE = """
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
-struct slave { double u, y, when, value; int set, step, get; };
+#include <time.h>
+struct slave { double u, y, when, value; int set, step, get; double work; };
 int slave_set(struct slave *s, const uint32_t *r, size_t n, const double *v) {
     for (size_t i = 0; i < n; ++i) s->u = v[i] + 0.0 * r[i];
     return s->y >= s->when ? s->set : 0;
@@ -22,6 +24,8 @@ int slave_set(struct slave *s, const uint32_t *r, size_t n, const double *v) {
 int slave_step(struct slave *s, double t, double h, int discard) {
     (void)discard;
     s->y = t + h;
+    if (s->y > s->when && s->work > 0)
+        for (const clock_t end = clock() + (clock_t)(s->work * CLOCKS_PER_SEC); clock() < end;) {}
     return s->y > s->when ? s->step : 0;
 }
 int slave_get(struct slave *s, const uint32_t *r, size_t n, double *v) {
@@ -35,6 +39,7 @@ class Memory(ctypes.Structure):
     _fields_ = (
         *((name, ctypes.c_double) for name in ("u", "y", "when", "value")),
         *((name, ctypes.c_int) for name in ("set", "step", "get")),
+        ("work", ctypes.c_double),
     )
 
 
@@ -139,3 +144,51 @@ def test_an_output_that_is_not_finite_stops_in_its_macro_step(loop, value):
         run.advance(2.0)
     assert str(caught.value) == f"c.z: is not finite in the step from t = 0.375 to 0.5 s (got {value!r})"
     assert recorder.recording()["c.z"].tolist() == [0.0, 0.125, 0.25, 0.375]
+
+
+# ---------------------------------------------------------------- slaves that take too long
+def napping(t, h, u):
+    if t >= 0.375:
+        time.sleep(0.5)
+    return [t]
+
+
+@LOOPS
+@pytest.mark.parametrize("slave", [Obedient(work=0.5), FunctionSlave(napping, [Variable("u")], [Variable("y")])])
+def test_a_slave_that_takes_too_long_is_named_while_it_does_and_ends_the_run(loop, slave, caplog):
+    system = System("s", {"clock": FunctionSlave(lambda t, h, u: [t], outputs=[Variable("t")]), "c": slave})
+    system.connect("clock.t", "c.u")
+    with Execution(system, GaussSeidel(0.125), loop=loop, time_limit=0.1) as run:
+        recorder = run.record(["c.y"])
+        with pytest.raises(CosimError) as caught:
+            run.advance(2.0)
+        returned = time.time()
+        with pytest.raises(CosimError, match=r"the run ended at t = 0\.5 s \(c: took too long"):
+            run.step()
+    message = str(caught.value)
+    assert message.startswith("c: took too long in the step from t = 0.375 to 0.5 s (got 0.")
+    assert message.endswith("allowed: at most 0.1 s of wall time")
+    assert caplog.messages[0].startswith("c: has been at work for 0.1")
+    assert returned - caplog.records[0].created > 0.2
+    assert recorder.recording().time.tolist() == [0.0, 0.125, 0.25, 0.375, 0.5]
+
+
+def test_a_run_may_go_on_after_a_late_step_if_that_is_wanted(caplog):
+    slow = FunctionSlave(napping, [Variable("u")], [Variable("y")])
+    with Execution(System("s", {"c": slow}), GaussSeidel(0.125), time_limit=0.1, when_late="warn") as run:
+        run.advance(0.5)
+        assert (run.time, run.late[0].slave) == (0.5, "c")
+        assert 0.1 < run.late[0].seconds < 0.6
+    assert "the limit is 0.1 s" in caplog.text
+
+
+def test_a_slave_within_its_time_is_left_alone(caplog):
+    with Execution(System("s", {"c": Obedient()}), GaussSeidel(0.001), time_limit=0.05) as run:
+        run.advance(5.0)
+        assert run.late == ()
+    assert not caplog.records
+
+
+def test_a_time_limit_that_is_none_is_refused():
+    with pytest.raises(CosimError, match=r"time_limit: must be positive \(got 0\.0\)"):
+        Execution(System("s", {"c": Obedient()}), GaussSeidel(0.1), time_limit=0.0)

@@ -2,7 +2,7 @@ import time
 
 import pytest
 
-from seacrane.cosim import Execution, FunctionSlave, GaussSeidel, RealTime, System
+from seacrane.cosim import Above, Execution, FunctionSlave, GaussSeidel, RealTime, System
 from seacrane.errors import CosimError
 from seacrane.model.dae import Variable
 
@@ -108,3 +108,24 @@ def test_on_the_clock_of_the_system_half_a_second_takes_half_a_second():
     assert time.monotonic() - begin >= 0.49
     assert pacing.pace.macro_steps == 50
     assert pacing.pace.real_time_factor < 0.5
+
+
+def test_a_run_that_is_paused_from_within_returns_and_goes_on_without_a_jump():
+    run, pacing, wall = paced(lambda t: 0.03125)
+    run.when(Above("f.t", 0.9), call=lambda r: r.pause())
+    pacing.advance(2.0)
+    # The slave gives the time at the beginning of its step.
+    assert (run.time, pacing.running) == (1.125, False)
+    wall.now += 60.0
+    pacing.advance(2.0)
+    assert (run.time, pacing.running) == (2.0, True)
+    assert (pacing.pace.macro_steps, pacing.pace.shifts, pacing.pace.overruns) == (16, 0, 0)
+
+
+def test_a_pause_asked_for_beforehand_is_a_pause_at_once():
+    run, pacing, _ = paced(lambda t: 0.03125)
+    run.pause()
+    pacing.advance(2.0)
+    assert (run.time, pacing.pace.macro_steps) == (0.0, 0)
+    pacing.advance(0.25)
+    assert run.time == 0.25

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,7 +17,7 @@ import casadi as ca
 from seacrane.errors import Problem, StructureError, nearest
 from seacrane.units import UNITS, display
 
-from .component import REGISTRY, check_value, shared_default, symbolic_twin
+from .component import REGISTRY, Component, check_value, shared_default, symbolic_twin
 from .dae import PowerBond, Variable
 from .diagram import Diagram
 from .net import Net, Node, net
@@ -170,7 +170,7 @@ def flatten(diagram: Diagram) -> Flat:
         if isinstance(node.ends[0].port, PowerPort):
             _power_node(flat, node, across, through)
         else:
-            _signal_node(flat, node, signals)
+            _signal_node(flat, node, signals, whole.components)
     for path, component in whole.components.items():
         ports = {
             key: PortVariables(port, across[f"{path}.{key}"], through[f"{path}.{key}"])
@@ -262,7 +262,7 @@ def _power_node(flat: Flat, node: Node, across: dict[str, Any], through: dict[st
         flat.equations.append(Equation(total, "node of " + ", ".join(e.path for e in ends)))
 
 
-def _signal_node(flat: Flat, node: Node, signals: dict[str, Any]) -> None:
+def _signal_node(flat: Flat, node: Node, signals: dict[str, Any], owners: Mapping[str, Component]) -> None:
     ends, names = node.ends, node.exposed
     source = next((e for e in ends if isinstance(e.port, SignalOut)), None)
     if source is not None and isinstance(source.port, SignalOut):
@@ -275,7 +275,8 @@ def _signal_node(flat: Flat, node: Node, signals: dict[str, Any]) -> None:
         assert isinstance(port, SignalIn)
         unit = port.unit
         low, high = port.minimum, port.maximum
-        variable = Variable(names[0], unit, minimum=low, maximum=high, about=port.about, shown=port.shown)
+        start = float(getattr(owners[ends[0].owner], port.start)) if port.start else 0.0
+        variable = Variable(names[0], unit, start, minimum=low, maximum=high, about=port.about, shown=port.shown)
         symbol = ca.SX.sym(names[0])
         flat.inputs[names[0]] = (variable, symbol)
     for end in ends:

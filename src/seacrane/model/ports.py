@@ -63,13 +63,17 @@ class Rotational(PowerPort):
 
 @dataclass(frozen=True)
 class SignalIn:
-    """A number the component is given, in `unit`; `minimum` and `maximum` say what is meaningful."""
+    """A number the component is given, in `unit`; `minimum` and `maximum` say what is meaningful.
+
+    `start` names the value of the component that the number has as long as nobody gives another; without, it is zero.
+    """
 
     unit: str = "1"
     about: str = ""
     minimum: float = -math.inf
     maximum: float = math.inf
     shown: str = ""
+    start: str = ""
 
 
 @dataclass(frozen=True)

@@ -42,7 +42,7 @@ class MotionInput(Component):
     position: Length = initial("position of the partner at the start", least=-1e5, most=1e5)
     ports = {
         "v": SignalIn("m/s", "speed of the partner"),
-        "x": SignalIn("m", "position of the partner"),
+        "x": SignalIn("m", "position of the partner", start="position"),
         "flange": Translational("what the partner moves"),
         "F": SignalOut("N", "force on the partner, positive along v"),
         "work": SignalOut("J", "work done on the partner"),

@@ -50,7 +50,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "run"
         kinds = {
-            "memory": lambda: MemoryRecorder(),
+            "memory": MemoryRecorder,
             "arrow": lambda: ArrowRecorder(file.with_suffix(".arrow")),
             "csv": lambda: CsvRecorder(file.with_suffix(".csv")),
         }

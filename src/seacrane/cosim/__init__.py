@@ -12,7 +12,19 @@ watches).
 """
 
 from seacrane.cosim.actions import Action, Freeze, Offset, Override, Ramp, Release, Scale, Set, Stop
-from seacrane.cosim.algorithms import ALGORITHMS, Algorithm, GaussSeidel, Jacobi, Schedule
+from seacrane.cosim.algorithms import (
+    ALGORITHMS,
+    Adaptive,
+    Algorithm,
+    FixedPoint,
+    GaussSeidel,
+    Iterative,
+    Jacobi,
+    Newton,
+    PowerResidual,
+    Schedule,
+    StepDoubling,
+)
 from seacrane.cosim.bonds import BondReport
 from seacrane.cosim.execution import Execution, Usage
 from seacrane.cosim.files import load
@@ -36,6 +48,7 @@ __all__ = [
     "ALGORITHMS",
     "Above",
     "Action",
+    "Adaptive",
     "Algorithm",
     "ArrowRecorder",
     "Below",
@@ -48,21 +61,25 @@ __all__ = [
     "Event",
     "Execution",
     "Experiment",
+    "FixedPoint",
     "FmuSlave",
     "Freeze",
     "FunctionSlave",
     "GaussSeidel",
     "Instance",
     "Interface",
+    "Iterative",
     "Jacobi",
     "Late",
     "MemoryRecorder",
     "ModelSlave",
     "NativeCalls",
+    "Newton",
     "Observer",
     "Offset",
     "Override",
     "Pace",
+    "PowerResidual",
     "Ramp",
     "RealTime",
     "RecordedSlave",
@@ -73,6 +90,7 @@ __all__ = [
     "Set",
     "Slave",
     "State",
+    "StepDoubling",
     "Stop",
     "System",
     "Transformation",

@@ -24,6 +24,12 @@ class Calls(Protocol):
     def step(self) -> int: ...
     @property
     def derive(self) -> int: ...
+    @property
+    def save(self) -> int: ...
+    @property
+    def restore(self) -> int: ...
+    @property
+    def release(self) -> int: ...
 
 
 class Inner(Protocol):
@@ -48,7 +54,10 @@ class CompiledInstance(Instance):
     def __init__(self, name: str, inner: Inner, interface: Interface, references: Mapping[str, int]) -> None:
         self.inner = inner
         calls = inner.calls
-        self.calls = NativeCalls(inner.handle, calls.set, calls.step, calls.get, references, calls.derive)
+        self.calls = NativeCalls(
+            inner.handle, calls.set, calls.step, calls.get, references,
+            calls.derive, calls.save, calls.restore, calls.release,
+        )  # fmt: skip
         self._name = name
         self._input_names = [v.name for v in interface.inputs]
         self._output_names = [v.name for v in interface.outputs]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time as wall
 import weakref
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -17,9 +18,12 @@ from seacrane.cosim import saved
 from seacrane.cosim.actions import Action, Manipulator, Names, Set, check_action
 from seacrane.cosim.algorithms import NANOSECONDS, Algorithm, nanoseconds
 from seacrane.cosim.bonds import ACCOUNT, SIGNALS, BondReport
-from seacrane.cosim.loops import DONE, FAULT, Fault, Loop, NativeLoop, PythonLoop, append
+from seacrane.cosim.loops import DONE, FAULT, Fault, Loop, append
+from seacrane.cosim.native_loop import NativeLoop
 from seacrane.cosim.observers import ArrowRecorder, CsvRecorder, MemoryRecorder, Observer
 from seacrane.cosim.plan import CHANGE, TRIGGER, Plan, Rows
+from seacrane.cosim.plan import SIGNALS as OWN_SIGNALS
+from seacrane.cosim.python_loop import PythonLoop
 from seacrane.cosim.saved import State
 from seacrane.cosim.scenario import Scenario, Timed
 from seacrane.cosim.slave import Vector
@@ -49,12 +53,17 @@ BATCH_S = 0.03
 
 @dataclass(frozen=True)
 class Usage:
-    """What a run has taken since its start: simulated time, wall time inside the loop, CPU time of it [s]."""
+    """What a run has taken since its start: simulated time, wall time inside the loop, CPU time of it [s].
+
+    The CPU time is that of the calling thread. `macro_steps` are those of the grid, and `sweeps` how often all slaves
+    were stepped: in the steps that an adaptive algorithm takes between, in iterations, and in repeated steps.
+    """
 
     simulated_s: float
     busy_s: float
     cpu_s: float
     macro_steps: int
+    sweeps: int
 
     @property
     def real_time_factor(self) -> float:
@@ -67,7 +76,9 @@ class Execution:
 
     The order of calls is record*, set* -> start -> (step | advance | run | set | values | save | restore)* -> close,
     and `record` and `set` are welcome at any time. It is a context manager; without one, everything is closed when it
-    is no longer used. `loop` is `"c"`, `"python"`, or `"auto"`: C where there is a compiler.
+    is no longer used. `loop` is `"c"`, `"python"`, or `"auto"`: C where there is a compiler. The C loop steps slaves
+    that may run side by side on up to `threads` threads (as many as there are processors, unless given), where it
+    measures that this is faster; the results are the same bits with any number.
 
     A failure of a slave raises `CosimError` with slave, variable and time, and ends the run: what was recorded stays
     readable, `error` holds the error, and only `restore` brings the run back.
@@ -86,6 +97,7 @@ class Execution:
         loop: Literal["auto", "c", "python"] = "auto",
         time_limit: float | None = None,
         when_late: Literal["stop", "warn"] = "stop",
+        threads: int | None = None,
     ) -> None:
         if not system.slaves:
             raise CosimError.at(system.name, "has no slaves", hint="Add one with system.add(name, slave).")
@@ -96,7 +108,12 @@ class Execution:
         self._free = {n for n, c in self._causality.items() if c == "input" and n not in self._sources}
         self._names = Names(self._variables, self._causality, self._sources, tuple(system.slaves))
         self._system, self._algorithm = system, algorithm
-        schedule = algorithm.schedule(tuple(system.slaves))
+        if threads is not None and threads < 1:
+            raise CosimError.at("threads", "is no number of threads", value=threads, allowed="1 or more")
+        schedule = algorithm.schedule(tuple(system.slaves), system)
+        for name in schedule.signals:
+            self._variables[name] = Variable(name, OWN_SIGNALS[name])
+            self._causality[name] = "algorithm"
         self._resources = ExitStack()
         self._finalizer = weakref.finalize(self, self._resources.close)
         try:
@@ -105,7 +122,8 @@ class Execution:
                 instances[name] = slave.instantiate(name)
                 self._resources.callback(instances[name].close)
             self._plan = Plan(system, schedule, instances, round(start * NANOSECONDS))
-            self._loop = _loop(self._plan, loop)
+            self._loop = _loop(self._plan, loop, threads or len(os.sched_getaffinity(0)))
+            self._resources.callback(self._loop.close)
         except BaseException:
             self._finalizer()
             raise
@@ -163,7 +181,7 @@ class Execution:
 
     @property
     def usage(self) -> Usage:
-        return Usage(self._steps * self.macro_step, self._busy, self._cpu, self._steps)
+        return Usage(self._steps * self.macro_step, self._busy, self._cpu, self._steps, self._plan.sweeps)
 
     @property
     def bonds(self) -> dict[str, BondReport]:
@@ -207,11 +225,14 @@ class Execution:
             raise (ParameterError if settable else CosimError)(problems)
         slave, variable = self._places[name]
         if name in self._free:
+            if value != self._plan.values[self._plan.index[name]]:
+                self._plan.restart()
             self._inputs_set[name] = value
             self._manipulator.set(name, value)
         else:
             part = next(part for part in self._plan.parts if part.name == slave)
             part.instance.set({variable: value})
+            self._plan.restart()
 
     def apply(self, action: Action) -> None:
         """Carry out an action (`Set`, `Override`, `Ramp`, `Freeze`, `Offset`, `Scale`, `Release`, `Stop`) now.
@@ -226,6 +247,7 @@ class Execution:
         if problems:
             raise CosimError(problems)
         self._manipulator.apply(action)
+        self._plan.restart()
         self._loop.refresh()
 
     @property
@@ -386,6 +408,8 @@ class Execution:
             settle(self._plan, self._inputs_set)
             for part in self._plan.parts:
                 part.instance.begin()
+            self._check_repeatable()
+            self._plan.start()
         except BaseException as error:
             interrupted = CosimError.at("", f"the start was interrupted by {type(error).__name__}")
             self._error = error if isinstance(error, SeacraneError) else interrupted
@@ -624,12 +648,46 @@ class Execution:
             "the scenario": saved.fingerprint(self._scenario and self._scenario.events),
         }
 
+    def _check_repeatable(self) -> None:
+        """`CosimError` naming the slaves that cannot be brought back, where the algorithm repeats steps."""
+        if not self._plan.schedule.repeats:
+            return
+        problems = []
+        for part in self._plan.parts:
+            if part.instance.calls is not None and part.instance.calls.save:
+                continue
+            try:
+                part.instance.save()
+            except SeacraneError as error:
+                why = "; ".join(p.message for p in error.problems)
+                what = type(self._algorithm).__name__
+                problems.append(Problem(part.name, f"cannot be saved and restored, which {what} needs: {why}"))
+        if problems:
+            raise CosimError(problems)
+
+    def _not_converged(self, fault: Fault, when: str) -> CosimError:
+        names = {k: name for name, k in self._plan.index.items() if k in fault.variables}
+        iteration = self._plan.schedule.iteration
+        assert iteration is not None
+        count = "its equations are singular" if fault.status else f"after {iteration.most} iterations"
+        hint = "Take a shorter step, Newton(), an under-relaxed FixedPoint, or a wider tolerance."
+        values = self._plan.values
+        return CosimError(
+            Problem(
+                name, f"does not converge {when} ({count}, tolerance {iteration.tolerance:g})", values[k], hint=hint
+            )
+            for k, name in names.items()
+        )
+
     def _fail(self, fault: Fault) -> None:
         self.flush()
-        part = self._plan.parts[fault.slave]
-        part.instance.failed(fault.status)
         begin, end = self.time, (self._plan.time_ns + self._plan.schedule.step_ns) / 1e9
         when = f"in the step from t = {begin:.9g} to {end:.9g} s"
+        if fault.stage == "converge":
+            self._error = self._not_converged(fault, when)
+            raise self._error
+        part = self._plan.parts[fault.slave]
+        part.instance.failed(fault.status)
         cause = part.instance.failure
         if fault.stage == "finite":
             variable = part.interface.outputs[fault.variable]
@@ -642,8 +700,15 @@ class Execution:
                 raise cause
             self._error = CosimError.at(part.name, f"failed {when}: {type(cause).__name__}: {cause}")
         else:
-            doing = {"set": "taking its inputs", "step": "stepping", "get": "giving its outputs"}
-            what = doing.get(fault.stage, "giving its internal variables")
+            doing = {
+                "set": "taking its inputs",
+                "step": "stepping",
+                "get": "giving its outputs",
+                "watch": "giving its internal variables",
+                "save": "saving its state",
+                "restore": "going back to a saved state",
+            }
+            what = doing[fault.stage]
             status = STATUS.get(fault.status, str(fault.status))
             reason = f": {part.instance.message}" if part.instance.message else ""
             self._error = CosimError.at(part.name, f"failed with status {status!r} when {what} {when}{reason}")
@@ -711,11 +776,11 @@ class _Recorder:
             self.observer.close()
 
 
-def _loop(plan: Plan, wanted: str) -> Loop:
+def _loop(plan: Plan, wanted: str, threads: int) -> Loop:
     if wanted == "python":
         return PythonLoop(plan)
     try:
-        return NativeLoop(plan)
+        return NativeLoop(plan, threads)
     except CompileError:
         if wanted == "c":
             raise

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
 
@@ -119,6 +119,18 @@ class FmuSlave(Slave):
     @property
     def interface(self) -> Interface:
         return self._interface
+
+    @cached_property
+    def feedthrough(self) -> Mapping[str, Collection[str]]:
+        """From the model structure; an output that it says nothing of depends on all inputs."""
+        names = {i: v.name for i, v in enumerate(self.description.variables, 1)}
+        inputs = {v.name for v in self._interface.inputs}
+        known = {names[u.index]: u.dependencies for u in self.description.outputs}
+        found: dict[str, Collection[str]] = {}
+        for output in self._interface.outputs:
+            on = known.get(output.name)
+            found[output.name] = inputs if on is None else inputs.intersection(names[i] for i in on)
+        return found
 
     @property
     def about(self) -> str:

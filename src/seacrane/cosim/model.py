@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import cached_property
 
 from seacrane.cosim.compiled import CompiledInstance, started
 from seacrane.cosim.slave import Instance, Interface, Slave, check_values
 from seacrane.model.codegen import SETTINGS
 from seacrane.model.dae import Dae
+from seacrane.model.dependencies import dependencies
 from seacrane.model.diagram import Diagram
 from seacrane.model.native import NativeInstance, NativeModel, build
 
@@ -45,6 +46,12 @@ class ModelSlave(Slave):
     @property
     def fingerprint(self) -> str:
         return f"{self.native.guid} {sorted(self.parameters.items())}"
+
+    @cached_property
+    def feedthrough(self) -> Mapping[str, Collection[str]]:
+        """From the structure of the equations: it may name too many inputs, never too few."""
+        found, inputs = dependencies(self.dae), {v.name for v in self.dae.inputs}
+        return {v.name: inputs.intersection(found[v.name]) for v in self.dae.outputs}
 
     @cached_property
     def native(self) -> NativeModel:

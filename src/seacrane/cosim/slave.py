@@ -12,7 +12,7 @@ from __future__ import annotations
 import ctypes
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -27,6 +27,11 @@ Vector = npt.NDArray[np.float64]
 SetFunction = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p)
 GetFunction = SetFunction
 StepFunction = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int)
+DeriveFunction = ctypes.CFUNCTYPE(
+    ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p
+)
+SaveFunction = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.POINTER(ctypes.c_void_p))
+RestoreFunction = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)
 Callback = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_double, ctypes.c_double)
 
 
@@ -56,6 +61,9 @@ class NativeCalls:
     `int (void *, const uint32_t *references, size_t n, const int32_t *order, const double *value)`: called after `set`,
     it lets inputs vary within the next step, by their derivatives with respect to time at its beginning. It is 0 where
     the slave only takes inputs that are held.
+
+    `save`, `restore` and `release` are those of fmi2GetFMUstate, fmi2SetFMUstate and fmi2FreeFMUstate, for macro steps
+    that are repeated; they are 0 where the methods of the instance have to be called.
     """
 
     handle: int
@@ -64,6 +72,9 @@ class NativeCalls:
     get: int
     references: Mapping[str, int] = field(repr=False)
     derive: int = 0
+    save: int = 0
+    restore: int = 0
+    release: int = 0
 
 
 class Slave(ABC):
@@ -77,6 +88,11 @@ class Slave(ABC):
     @abstractmethod
     def instantiate(self, name: str) -> Instance:
         """A new instance, called `name` in messages."""
+
+    @property
+    def feedthrough(self) -> Mapping[str, Collection[str]] | None:
+        """For each output, the inputs that it depends on without delay; None where that is not known."""
+        return None
 
     @property
     def about(self) -> str:

@@ -58,13 +58,17 @@ def adapter() -> ctypes.CDLL:
 class Calls:
     """Addresses of C functions with the signatures of fmi2SetReal, fmi2GetReal and fmi2DoStep.
 
-    `derive` is that of fmi2SetRealInputDerivatives, 0 if the FMU holds its inputs over a step.
+    `derive` is that of fmi2SetRealInputDerivatives, 0 if the FMU holds its inputs over a step. `save`, `restore` and
+    `release` are those of fmi2GetFMUstate, fmi2SetFMUstate and fmi2FreeFMUstate, 0 if the methods are to be called.
     """
 
     set: int
     get: int
     step: int
     derive: int = 0
+    save: int = 0
+    restore: int = 0
+    release: int = 0
 
 
 class Foreign:

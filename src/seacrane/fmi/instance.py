@@ -67,10 +67,12 @@ class FmuInstance(Sensitivities):
         fmu.open_instances += 1
         if self._foreign is None:
             self.handle = component
-            names = ["SetReal", "GetReal", "DoStep"]
+            names = {"set": "SetReal", "get": "GetReal", "step": "DoStep"}
             if slave is not None and slave.interpolates_inputs and fmu.library.has("SetRealInputDerivatives"):
-                names.append("SetRealInputDerivatives")
-            self.calls = Calls(*(address(fmu.library.function(name)) for name in names))
+                names["derive"] = "SetRealInputDerivatives"
+            if fmu.capabilities.saves_state:
+                names |= {"save": "GetFMUstate", "restore": "SetFMUstate", "release": "FreeFMUstate"}
+            self.calls = Calls(**{call: address(fmu.library.function(name)) for call, name in names.items()})
         else:
             self.handle = self._foreign.handle
             self._foreign.state.fmu = component

@@ -45,6 +45,10 @@ class Calls:
     step: int
     derive: int = 0
     """That of fmi2SetRealInputDerivatives; 0 where inputs are held over a step."""
+    save: int = 0
+    restore: int = 0
+    release: int = 0
+    """Those of fmi2GetFMUstate, fmi2SetFMUstate and fmi2FreeFMUstate."""
 
 
 @dataclass(frozen=True)
@@ -96,9 +100,16 @@ class NativeModel:
         self.variables: Mapping[str, Entry] = {e.variable.name: e for e in generated.entries}
         self.by_reference: Mapping[int, Entry] = {e.reference: e for e in generated.entries}
         self.library = _declare(ctypes.CDLL(str(path)))
-        self.calls = Calls(
-            *(_address(getattr(self.library, name)) for name in ("fmi2SetReal", "fmi2GetReal", "fmi2DoStep"))
+        names = (
+            "SetReal",
+            "GetReal",
+            "DoStep",
+            "SetRealInputDerivatives",
+            "GetFMUstate",
+            "SetFMUstate",
+            "FreeFMUstate",
         )
+        self.calls = Calls(*(_address(getattr(self.library, f"fmi2{name}")) for name in names))
 
     def value_reference(self, name: str) -> int:
         """The value reference of a variable; `ParameterError` with the nearest names if there is none of this name."""

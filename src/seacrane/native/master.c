@@ -2,101 +2,24 @@
  *
  * A slave is either a set of FMI 2 functions (set, step, get) with a handle, or one callback that works on the shared
  * arrays. The loop transfers outputs to inputs, steps, checks that every output is finite, accounts for the power at
- * each bond and writes due rows of the recorders. It allocates nothing. The Python loop in seacrane/cosim/loops.py does
- * the same operations in the same order, so both give the same bits; compile with -ffp-contract=off. */
+ * each bond, chooses the next step where that is wanted, and writes due rows of the recorders. It allocates nothing.
+ * The Python loop in seacrane/cosim/python_loop.py does the same operations in the same order, so both give the same
+ * bits; compile with -ffp-contract=off. */
+#include "master.h"
+
 #include <math.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 
-#if defined(_WIN32)
-#define EXPORT __declspec(dllexport)
-#else
-#define EXPORT __attribute__((visibility("default")))
-#endif
+enum { FIXED, POWER_RESIDUAL, STEP_DOUBLING };
+enum { NEXT_STEP, LAST_ERROR, GREATEST_POWER }; /* layout of plan.controller */
 
-typedef int (*set_function)(void *, const uint32_t *, size_t, const double *);
-typedef int (*get_function)(void *, const uint32_t *, size_t, double *);
-typedef int (*step_function)(void *, double, double, int);
-typedef int (*callback_function)(void *, double, double);
+#define PROPORTIONAL 0.4 /* shares of a PI controller of the step size, over the order of the error */
+#define INTEGRAL 0.7
+#define LEAST_CHANGE 0.2
+#define MOST_CHANGE 2.0
+#define LEAST_ERROR 1e-4 /* below it, errors say no more about the step */
 
-typedef struct {
-    void *handle;
-    set_function set;
-    step_function step;
-    get_function get;
-    callback_function callback; /* used instead of the three where it is not null */
-    const uint32_t *input_references, *output_references, *watched_references;
-    double *inputs, *outputs, *watched; /* slices of plan.values */
-    int64_t input_count, output_count, watched_count;
-    int64_t first_connection, connection_count; /* into this slave */
-    int64_t first_change, input_changes, output_changes; /* manipulations of its inputs, then of its outputs */
-    int64_t stopped;                                     /* 1: never stepped again, its outputs stay */
-} slave_t;
-
-typedef struct {
-    int64_t source, target; /* indices into values */
-    double gain, bias;
-    int64_t adds; /* 1: adds to what an earlier connection has brought to the same input, in place of the bias */
-} connection_t;
-
-/* A variable that is not what its connection or its slave says, but gain * raw + bias, reached by a ramp of `slope`
- * that ends at time `end`. */
-typedef struct {
-    int64_t target;
-    int64_t fixed; /* 1: nothing drives the variable, so `raw` is what it was set to */
-    double gain, bias, slope, end, raw;
-} change_t;
-
-/* All of `count` conditions from `first` on; `fired` is set to 1 when they come to hold, unless it is set already. */
-typedef struct {
-    int64_t first, count, held, fired;
-} trigger_t;
-
-typedef struct {
-    int64_t index, above; /* above: 1 for value > threshold, 0 for value < threshold */
-    double threshold;
-} condition_t;
-
-typedef struct {
-    int64_t effort_out, flow_in; /* at the effort's side */
-    int64_t effort_in, flow_out; /* at the flow's side */
-    int64_t account;             /* index of the nine values below */
-    double effort_side, flow_side; /* factor of the product of each side to W */
-} bond_t;
-
-/* Order of a bond's account; seacrane/cosim/bonds.py names the same. */
-enum { EFFORT_BEFORE, FLOW_BEFORE, POWER, FLOW_POWER, RESIDUAL, ENERGY, ENERGY_ERROR, ENERGY_MOVED, PEAK_RESIDUAL };
-
-typedef struct {
-    int64_t stride, width, capacity, count, watches;
-    const int64_t *indices;
-    double *rows; /* capacity rows of time and width values */
-} recorder_t;
-
-typedef struct {
-    int64_t slave_count, connection_count, bond_count, recorder_count;
-    int64_t simultaneous; /* 1: all inputs are transferred before any slave steps (Jacobi) */
-    int64_t start_ns, step_ns;
-    slave_t *slaves;
-    connection_t *connections;
-    bond_t *bonds;
-    recorder_t *recorders;
-    double *values;
-    change_t *changes;
-    trigger_t *triggers;
-    const condition_t *conditions;
-    int64_t trigger_count, trigger_watches;
-    volatile int64_t *calls; /* of each slave: odd while it is at work, for a watchdog on another thread */
-    volatile int64_t *stop;  /* set from another thread: end after this macro step */
-    int64_t done;                                     /* macro steps since the start */
-    int64_t fault_slave, fault_stage, fault_status, fault_variable;
-} plan_t;
-
-enum { DONE, ROWS_FULL, FAULT, STOPPED };
-enum { SET, STEP, GET, FINITE, WATCH };
-
-static int fault(plan_t *p, int64_t slave, int stage, int64_t status, int64_t variable) {
+int fault(plan_t *p, int64_t slave, int64_t stage, int64_t status, int64_t variable) {
     p->fault_slave = slave;
     p->fault_stage = stage;
     p->fault_status = status;
@@ -104,83 +27,44 @@ static int fault(plan_t *p, int64_t slave, int stage, int64_t status, int64_t va
     return FAULT;
 }
 
-static void transfer(plan_t *p, int64_t first, int64_t count) {
-    const connection_t *c = p->connections + first;
-    for (const connection_t *end = c + count; c < end; ++c) {
-        const double scaled = p->values[c->source] * c->gain;
-        p->values[c->target] = scaled + (c->adds ? p->values[c->target] : c->bias);
-    }
-}
-
-static void manipulate(plan_t *p, int64_t first, int64_t count, double t) {
-    change_t *c = p->changes + first;
-    for (const change_t *end = c + count; c < end; ++c) {
-        double *value = p->values + c->target;
-        if (!c->fixed) c->raw = *value;
-        const double scaled = c->gain * c->raw;
-        *value = scaled + c->bias;
-        if (t < c->end) {
-            const double rest = c->slope * (c->end - t);
-            *value -= rest;
-        }
-    }
-}
-
-/* FMI 2 status: 0 is OK, 1 a warning; discard, error, fatal and pending end the run. */
-static int exchange(plan_t *p, int64_t i, double t, double h) {
-    const slave_t *s = p->slaves + i;
-    int status;
-    if (s->callback) {
-        if ((status = s->callback(s->handle, t, h)) > 1 || status < 0) return fault(p, i, STEP, status, -1);
-    } else {
-        if (s->input_count) {
-            status = s->set(s->handle, s->input_references, (size_t)s->input_count, s->inputs);
-            if (status > 1 || status < 0) return fault(p, i, SET, status, -1);
-        }
-        status = s->step(s->handle, t, h, 1);
-        if (status > 1 || status < 0) return fault(p, i, STEP, status, -1);
-        if (s->output_count) {
-            status = s->get(s->handle, s->output_references, (size_t)s->output_count, s->outputs);
-            if (status > 1 || status < 0) return fault(p, i, GET, status, -1);
-        }
-    }
-    for (int64_t j = 0; j < s->output_count; ++j)
-        if (!isfinite(s->outputs[j])) return fault(p, i, FINITE, 0, j);
-    return DONE;
-}
-
-static int advance(plan_t *p, int64_t i, double t, double h) {
-    const slave_t *s = p->slaves + i;
-    if (s->stopped) return DONE;
-    if (s->input_changes) manipulate(p, s->first_change, s->input_changes, t);
-    p->calls[i] += 1;
-    const int result = exchange(p, i, t, h);
-    p->calls[i] += 1;
-    if (s->output_changes && result == DONE)
-        manipulate(p, s->first_change + s->input_changes, s->output_changes, t + h);
-    return result;
-}
-
 static void remember(const bond_t *b, double *v) {
     v[b->account + EFFORT_BEFORE] = v[b->effort_out];
     v[b->account + FLOW_BEFORE] = v[b->flow_out];
 }
 
-/* Inputs are held during a macro step; the mean of an output over it is that of its two ends. */
-static void balance(const bond_t *b, double *v, double h) {
-    double *a = v + b->account;
+/* How long a slave has stepped in this macro step [s]: 0 between the steps of a slower one. */
+static double stepped(const plan_t *p, int64_t slave, double h) {
+    const slave_t *s = p->slaves + slave;
+    return s->every == 1 ? h : active(p, s) ? (double)s->every * h : 0;
+}
+
+/* What an input has missed of its output: the integral of their difference. The mean of an output over a step is that
+ * of its two ends. */
+static void owe(plan_t *p, const connection_t *c, double mean, double h) {
+    if (c->owed < 0 || h == 0) return;
+    const double scaled = mean * c->gain;
+    const double due = scaled + c->bias;
+    p->values[c->owed] += (due - p->values[c->target]) * h;
+}
+
+/* Inputs count with their mean over the macro step. */
+static void balance(plan_t *p, const bond_t *b, double h) {
+    double *v = p->values, *a = v + b->account;
     const double effort = 0.5 * (a[EFFORT_BEFORE] + v[b->effort_out]);
     const double flow = 0.5 * (a[FLOW_BEFORE] + v[b->flow_out]);
     const double given = effort * v[b->flow_in] * b->effort_side;
     const double taken = v[b->effort_in] * flow * b->flow_side;
     const double residual = given - taken;
+    const double giving = stepped(p, b->effort_slave, h), taking = stepped(p, b->flow_slave, h);
     a[POWER] = given;
     a[FLOW_POWER] = taken;
     a[RESIDUAL] = residual;
-    a[ENERGY] += given * h;
-    a[ENERGY_ERROR] += residual * h;
-    a[ENERGY_MOVED] += fabs(given) * h;
+    a[ENERGY] += given * giving;
+    a[ENERGY_ERROR] += giving == taking ? residual * giving : given * giving - taken * taking;
+    a[ENERGY_MOVED] += fabs(given) * giving;
     if (fabs(residual) > a[PEAK_RESIDUAL]) a[PEAK_RESIDUAL] = fabs(residual);
+    owe(p, p->connections + b->effort_connection, effort, taking);
+    owe(p, p->connections + b->flow_connection, flow, giving);
 }
 
 /* Read the watched internal variables of all slaves. */
@@ -210,6 +94,118 @@ static int record(plan_t *p, double t) {
     return DONE;
 }
 
+/* One macro step from `from`, of `size` nanoseconds. */
+static int macro_step(plan_t *p, int64_t from, int64_t size) {
+    for (int64_t i = 0; i < p->bond_count; ++i) remember(p->bonds + i, p->values);
+    const int result = p->iteration ? iterate(p, from, size) : sweep(p, from, size, 0);
+    if (result != DONE) return result;
+    const double h = (double)size / 1e9;
+    for (int64_t i = 0; i < p->bond_count; ++i) balance(p, p->bonds + i, h);
+    p->signals[MACRO_STEP] = h;
+    return DONE;
+}
+
+/* The energy that the coupling has created or lost in this step, over that which the bond moves with its greatest power
+ * in a whole step of the grid; over the tolerance, of the worst bond. */
+static double power_error(plan_t *p, double h) {
+    const double whole = (double)p->step_ns / 1e9;
+    double worst = 0;
+    for (int64_t i = 0; i < p->bond_count; ++i) {
+        const double *a = p->values + p->bonds[i].account;
+        double *greatest = p->controller + GREATEST_POWER + i;
+        const double power = fabs(a[POWER]) > fabs(a[FLOW_POWER]) ? fabs(a[POWER]) : fabs(a[FLOW_POWER]);
+        if (power > *greatest) *greatest = power;
+        const double usual = p->power > 0 ? p->power : *greatest;
+        if (usual == 0) continue;
+        const double error = fabs(a[RESIDUAL]) * h / (usual * whole * p->control_tolerance);
+        if (error > worst) worst = error;
+    }
+    return worst;
+}
+
+/* The difference between one step and two halves, of the worst output; its share that is the error of the halves. */
+static double doubling_error(const plan_t *p) {
+    double worst = 0;
+    for (int64_t k = 0; k < p->output_count; ++k) {
+        const double size = fabs(p->values[k]) > p->nominal[k] ? fabs(p->values[k]) : p->nominal[k];
+        const double error = fabs(p->values[k] - p->coarse[k]) / (p->control_tolerance * size);
+        if (error > worst) worst = error;
+    }
+    return worst / (double)((1 << p->order) - 1);
+}
+
+/* The next step from the error of this one (a PI controller), in whole nanoseconds within its bounds. */
+static void choose(plan_t *p, int64_t size, double error, int rejected) {
+    double *c = p->controller;
+    const double wanted = c[NEXT_STEP], exponent = 1 / (double)(p->order + 1);
+    if (error < LEAST_ERROR) error = LEAST_ERROR;
+    double change = p->safety * pow(error, -INTEGRAL * exponent) * pow(c[LAST_ERROR], PROPORTIONAL * exponent);
+    if (rejected) change = p->safety * pow(error, -exponent);
+    if (change < LEAST_CHANGE) change = LEAST_CHANGE;
+    if (change > MOST_CHANGE) change = MOST_CHANGE;
+    double next = (double)size * change;
+    if (!rejected && error <= 1 && next < wanted) next = wanted; /* the step was cut to end on the grid */
+    if (rejected && next > 0.9 * (double)size) next = 0.9 * (double)size;
+    if (next < (double)p->smallest_ns) next = (double)p->smallest_ns;
+    if (next > (double)p->step_ns) next = (double)p->step_ns;
+    c[NEXT_STEP] = floor(next);
+    if (!rejected) c[LAST_ERROR] = error;
+}
+
+/* Two steps of half the size, compared with a whole one; done again with a smaller size until the error is tolerable. */
+static int doubled_step(plan_t *p, int64_t from, int64_t *size) {
+    const size_t bytes = (size_t)p->value_count * sizeof(double);
+    if (save_all(p, MACRO_START) != DONE) return FAULT;
+    memcpy(p->backup, p->values, bytes);
+    for (;;) {
+        const int64_t half = *size / 2;
+        double error = 1 / (LEAST_CHANGE * LEAST_CHANGE);
+        int result = macro_step(p, from, *size);
+        if (result == DONE) {
+            memcpy(p->coarse, p->values, (size_t)p->output_count * sizeof(double));
+            memcpy(p->values, p->backup, bytes);
+            if (restore_all(p, MACRO_START) != DONE) return FAULT;
+            result = macro_step(p, from, half);
+            if (result == DONE) result = macro_step(p, from + half, *size - half);
+        }
+        if (result == DONE) {
+            error = doubling_error(p);
+            if (error <= 1 || *size <= p->smallest_ns) {
+                p->signals[COUPLING_ERROR] = error * p->control_tolerance;
+                choose(p, *size, error, 0);
+                return DONE;
+            }
+        } else if (!(p->fault_stage == CONVERGE || (p->fault_stage == STEP && p->fault_status == 2)) ||
+                   *size <= p->smallest_ns)
+            return FAULT;
+        const double rejected = p->backup[p->signals + REJECTED - p->values] += 1;
+        memcpy(p->values, p->backup, bytes);
+        p->signals[REJECTED] = rejected;
+        if (restore_all(p, MACRO_START) != DONE) return FAULT;
+        choose(p, *size, error, 1);
+        *size = (int64_t)p->controller[NEXT_STEP];
+        p->backup[p->controller + NEXT_STEP - p->values] = p->controller[NEXT_STEP];
+    }
+}
+
+/* A whole step of the grid in steps that the errors allow; the last of them ends on the grid exactly. */
+static int controlled_step(plan_t *p, int64_t from) {
+    for (int64_t done = 0; done < p->step_ns;) {
+        const int64_t rest = p->step_ns - done, wanted = (int64_t)p->controller[NEXT_STEP];
+        int64_t size = wanted >= rest ? rest : 2 * wanted > rest ? rest - rest / 2 : wanted;
+        if (p->control == STEP_DOUBLING) {
+            if (doubled_step(p, from + done, &size) != DONE) return FAULT;
+        } else {
+            if (macro_step(p, from + done, size) != DONE) return FAULT;
+            const double error = power_error(p, (double)size / 1e9);
+            p->signals[COUPLING_ERROR] = error * p->control_tolerance;
+            choose(p, size, error, 0);
+        }
+        done += size;
+    }
+    return DONE;
+}
+
 static int look(plan_t *p) {
     int64_t fired = 0;
     if (p->trigger_watches) {
@@ -230,19 +226,13 @@ static int look(plan_t *p) {
 /* Do `steps` macro steps; plan.done counts those done. It does fewer if a recorder's rows are full, a slave fails, a
  * trigger fires or it is told to stop. */
 EXPORT int seacrane_run(plan_t *p, int64_t steps) {
-    const double h = (double)p->step_ns / 1e9;
     for (; steps > 0; --steps) {
-        const double t = (double)(p->start_ns + p->done * p->step_ns) / 1e9;
+        const int64_t from = p->done * p->step_ns;
         int result;
         for (int64_t i = 0; i < p->recorder_count; ++i)
             if (p->recorders[i].count == p->recorders[i].capacity) return ROWS_FULL;
-        for (int64_t i = 0; i < p->bond_count; ++i) remember(p->bonds + i, p->values);
-        if (p->simultaneous) transfer(p, 0, p->connection_count);
-        for (int64_t i = 0; i < p->slave_count; ++i) {
-            if (!p->simultaneous) transfer(p, p->slaves[i].first_connection, p->slaves[i].connection_count);
-            if ((result = advance(p, i, t, h)) != DONE) return result;
-        }
-        for (int64_t i = 0; i < p->bond_count; ++i) balance(p->bonds + i, p->values, h);
+        result = p->control ? controlled_step(p, from) : macro_step(p, from, p->step_ns);
+        if (result != DONE) return result;
         p->done += 1;
         result = record(p, (double)(p->start_ns + p->done * p->step_ns) / 1e9);
         if (result != DONE) return result;
@@ -250,4 +240,15 @@ EXPORT int seacrane_run(plan_t *p, int64_t steps) {
         if (*p->stop) return STOPPED;
     }
     return DONE;
+}
+
+/* End the threads and free the saved states. */
+EXPORT void seacrane_end(plan_t *p) {
+    pool_end(p);
+    for (int64_t i = 0; i < p->slave_count; ++i)
+        for (int slot = 0; slot < SAVED_STATES; ++slot) {
+            slave_t *s = p->slaves + i;
+            if (s->saved[slot] && s->release) (void)s->release(s->handle, s->saved + slot);
+            s->saved[slot] = NULL;
+        }
 }

@@ -6,7 +6,7 @@ PAGE   := src/seacrane/server/page/index.html
 WEB    := $(shell find web -path web/node_modules -prune -o -type f -print 2>/dev/null)
 ARGS   ?=
 
-.PHONY: demo test check setup browser docs format clean
+.PHONY: demo test foreign-platforms check setup browser docs format clean
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.installed $(PAGE)
@@ -43,6 +43,14 @@ browser:
 test: setup browser $(VENV)/.tools
 	$(BIN)/python -m pytest
 	cd web && npm test
+
+# Exported binaries for aarch64 Linux and Windows, run by emulators.
+foreign-platforms: setup $(VENV)/.tools
+	@command -v qemu-aarch64 >/dev/null && command -v wine >/dev/null && test -d /usr/aarch64-linux-gnu || \
+	  { [ "$$(id -u)" = 0 ] && apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq \
+	  --no-install-recommends qemu-user libc6-arm64-cross wine wine64; } || \
+	  { echo "Needs: sudo apt-get install qemu-user libc6-arm64-cross wine wine64"; exit 1; }
+	$(BIN)/python -m pytest -rs tests/conformance/test_conformance_platforms.py
 
 check: setup $(VENV)/.tools
 	$(BIN)/ruff format --check src tests examples benchmarks

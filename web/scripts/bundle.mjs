@@ -5,7 +5,7 @@ import { build } from "vite";
 /** Its JavaScript; `path` is relative to the folder of the page's sources. */
 export async function bundle(path) {
   const root = fileURLToPath(new URL("..", import.meta.url));
-  const lib = { entry: path, formats: ["es"], fileName: "bundle" };
+  const lib = { entry: root + path, formats: ["es"], fileName: "bundle" };
   const [{ output }] = await build({ root, configFile: false, logLevel: "error", build: { lib, write: false } });
   return output[0].code;
 }

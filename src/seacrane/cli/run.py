@@ -15,7 +15,7 @@ from seacrane.units import parse
 from .arguments import Commands, output
 
 if TYPE_CHECKING:
-    from seacrane.cosim import Execution, System
+    from seacrane.cosim import Execution, Pace, System
 
 _MOST_NAMED = 8
 
@@ -43,8 +43,18 @@ def add(commands: Commands) -> None:
         help="what to record; * stands for any characters (default: all outputs and bonds)",
     )
     run.add_argument("--every", type=float, metavar="S", help="record each so many seconds (default: each macro step)")
-    run.add_argument("--csv", type=output, metavar="FILE", help="write what is recorded as CSV while the run goes on")
+    run.add_argument(
+        "--record",
+        "--csv",
+        type=output,
+        metavar="FILE",
+        help="record while it runs: FILE.csv, FILE.arrow (survives a crash), or FILE.parquet (made of that at the end)",
+    )
     run.add_argument("--plot", type=output, metavar="FILE", help="plot what was recorded (SVG, PNG or PDF)")
+    run.add_argument("--scenario", type=Path, metavar="FILE", help="events to carry out (JSON, seacrane-scenario/1)")
+    run.add_argument("--resume", type=Path, metavar="FILE", help="go on from a state that --save has written")
+    run.add_argument("--save", type=output, metavar="FILE", help="save the whole state at the end")
+    run.add_argument("--speed", type=float, metavar="X", help="run at X times real time (default: as fast as it can)")
     run.add_argument("--progress", action="store_true", help="show how far the run is")
     run.set_defaults(run=_run)
 
@@ -66,26 +76,53 @@ def _run(options: argparse.Namespace) -> int:
     with cosim.Execution(system, cosim.ALGORITHMS[name](step), start=experiment.start) as run:
         for variable, value in settings.items():
             run.set(variable, value)
+        if options.scenario:
+            run.follow(cosim.scenario.load(options.scenario, run.variables))
+        if options.resume:
+            run.restore_file(options.resume)
         recorder = run.record(signals, every=options.every)
-        if options.csv:
-            run.record_csv(options.csv, signals, every=options.every)
+        if options.record:
+            run.record_file(options.record, signals, every=options.every)
         try:
             run.start()
-            run.run(until, _progress(run) if options.progress else None)
+            pace = _advance(run, until, options)
+            if options.save:
+                run.save_file(options.save)
         except SeacraneError:
             run.flush()
-            if run.usage.macro_steps and (options.csv or options.plot):
+            if run.usage.macro_steps and (options.record or options.plot):
                 print(f"seacrane: the results until {run.time:g} s are kept", file=sys.stderr)
             raise
         finally:
             if options.plot and len(recorder.recording()) > 1:
                 recorder.recording().plot(*(signals or [])[:12]).savefig(options.plot)
         _summary(system, run, name)
-        if options.csv:
-            print(f"{options.csv}: {len(recorder.recording().signals)} signals, {len(recorder.recording())} rows")
+        if pace is not None:
+            print(
+                f"{options.speed:g} times real time: {pace.overruns} overruns, {1e3 * pace.lateness_p99:.3g} ms late "
+                f"(99th percentile), {pace.lost_s:.3g} s not made up for"
+            )
+        if options.record:
+            print(f"{options.record}: {len(recorder.recording().signals)} signals, {len(recorder.recording())} rows")
         elif not options.plot:
             _last(run, recorder.recording().signals)
     return 0
+
+
+def _advance(run: Execution, until: float, options: argparse.Namespace) -> Pace | None:
+    """Run to the end; how well the pace was kept, if there is one."""
+    from seacrane import cosim
+
+    progress = _progress(run) if options.progress else None
+    if options.speed is None:
+        run.run(until, progress)
+        return None
+    pacing = cosim.RealTime(run, speed=options.speed)
+    while run.steps_to(until):
+        pacing.advance(min(until, run.time + 0.1 * options.speed))
+        if progress is not None:
+            progress(run.time, until)
+    return pacing.pace
 
 
 def _needed(given: float | None, of_file: float | None, option: str) -> float:

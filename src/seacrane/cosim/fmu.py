@@ -51,8 +51,6 @@ class FmuSlave(Slave):
         self.tolerance = tolerance
         self.description = fmi.read(self.path)
         self.parameters = dict(parameters or {})
-        self.folder: object | None = None
-        """What must live as long as the file is needed: the private folder of the archive that it came in."""
         self._loaded: fmi.Fmu | None = None
         self._open = 0
         groups: dict[str, list[Variable]] = {"input": [], "output": [], "parameter": [], "local": [], "start": []}
@@ -78,8 +76,7 @@ class FmuSlave(Slave):
                 self._plain = self._plain and _is_plain(v)
         self.left_out = tuple(left_out)
         numbers, self._others = self._sorted_parameters()
-        self.settable = (*groups["parameter"], *groups["input"], *groups["start"])
-        check_values(numbers, self.settable, self.path.name)
+        check_values(numbers, (*groups["parameter"], *groups["input"], *groups["start"]), self.path.name)
         self._numbers = numbers
         self._interface = Interface(
             inputs=started(groups["input"], numbers),

@@ -149,10 +149,6 @@ class System:
             return tuple(self._trace(connector))
         return tuple(c for target in self._ends(connector) for c in self._trace(target, connector))
 
-    def unit_of(self, name: str) -> str:
-        """The unit of a variable or connector; empty if there is none, or if it is not known yet."""
-        return self._unit(name) if name in self._variables or name in self._points else ""
-
     def through(self, link: Connection, value: float) -> float:
         """What a connection makes of a value in the unit of its source."""
         scale = factor(self._unit(link.source), self._unit(link.target)) if link.convert else 1.0
@@ -271,7 +267,7 @@ class System:
 
     def _try_declare(self, connector: Connector) -> list[Problem]:
         name = connector.name
-        if name in self._points or name in self._variables:
+        if name in self._points or name in self._variables or name in self._level.parts:
             return [Problem(name, "there is something of this name already, so it cannot be a connector")]
         if not name or name != name.strip():
             return [Problem(name, "is no name for a connector")]
@@ -317,6 +313,7 @@ class System:
             return [Problem(name, f"is no name for a {what}", allowed=allowed)]
         for kind, there in (
             ("bond", self._level.bonds),
+            ("connector", self._level.connectors),
             ("sub-system" if isinstance(self._level.parts.get(name), System) else "slave", self._level.parts),
         ):
             if name in there:
@@ -404,15 +401,10 @@ class System:
 
     def _power_problems(self, bond: Bond) -> list[Problem]:
         problems = []
-        given, taken = self._innermost(*bond.effort)
-        back, moved = self._innermost(*bond.flow)
-        sides = (
-            ("effort's", bond.effort[0], bond.flow[1], given, moved),
-            ("flow's", bond.effort[1], bond.flow[0], taken, back),
-        )
-        for side, effort, flow, *inner in sides:
-            owners = {self._owners.get(n, n.partition(".")[0]) for n in inner}
-            if len(owners) > 1 and self._points.keys().isdisjoint(inner):
+        sides = (("effort's", bond.effort[0], bond.flow[1]), ("flow's", bond.effort[1], bond.flow[0]))
+        for side, effort, flow in sides:
+            owners = [self._owners.get(n, n.partition(".")[0]) for n in (effort, flow)]
+            if owners[0] != owners[1]:
                 message = f"the effort and the flow at the {side} side belong to different slaves: {effort!r}, {flow!r}"
                 problems.append(Problem(bond.name, message))
             elif not is_power(self._unit(effort) or "1", self._unit(flow) or "1"):

@@ -70,7 +70,7 @@ def build_module(name: str, sources: Mapping[str, str], exports: Iterable[str], 
     _require_zig("wasm")
     files = {**sources, **source("wasm.c")}
     file = f"{name}.wasm"
-    # Small, as it is loaded over a network; measured, the smallest is also the fastest. A reactor is a module without
+    # Small, as it is loaded over a network; measured, it is no slower than -O2. A reactor is a module without
     # main, which asks nothing of the system.
     command = ["cc", "-target", "wasm32-wasi", *(f for f in FLAGS if f != "-fPIC"), *flags, "-Os", "-flto", "-g0", "-s"]
     command += ["-Dvsnprintf=seacrane_format", "-mexec-model=reactor", "-Wl,-z,stack-size=65536"]

@@ -313,11 +313,11 @@ def to_parquet(source: Source, target: str | Path) -> Converted:
     schema = _schema(source.signals)
     with Beside(target) as beside:
         rows = 0
-        with pq.ParquetWriter(beside, schema, compression="zstd") as writer:
-            for batch in source.batches():
-                rows += len(batch)
-                columns = [column.cast(pa.float64()) for column in batch.columns]
-                writer.write_batch(pa.record_batch(columns, schema=schema), row_group_size=BATCH_VALUES)
+        with pq.ParquetWriter(beside, schema, compression="zstd", use_dictionary=False) as writer:
+            for table in _gathered(source):
+                rows += len(table)
+                columns = [column.cast(pa.float64()) for column in table.columns]
+                writer.write_table(pa.table(columns, schema=schema))
         # On a full disk, closing raises nothing and leaves what cannot be read.
         try:
             there = pq.ParquetFile(beside).metadata.num_rows
@@ -328,12 +328,29 @@ def to_parquet(source: Source, target: str | Path) -> Converted:
     return Converted(rows, len(source.signals), source.complete)
 
 
+def _gathered(source: Source) -> Iterator[pa.Table]:
+    """The batches of a source in tables that are large enough for Parquet to be read fast."""
+    waiting: list[pa.RecordBatch] = []
+    for batch in source.batches():
+        waiting.append(batch)
+        if sum(map(len, waiting)) * len(source.schema) >= 4 * BATCH_VALUES:
+            yield pa.Table.from_batches(waiting, source.schema)
+            waiting = []
+    if waiting:
+        yield pa.Table.from_batches(waiting, source.schema)
+
+
 def write(recording: Recording, path: str | Path) -> None:
     """Write a recording as Parquet; `OSError` if it cannot be written."""
     signals = {name: (signal.unit, signal.display) for name, signal in recording.signals.items()}
     columns = [recording.time, *(signal.values for signal in recording.signals.values())]
     with Beside(path) as beside:
-        pq.write_table(pa.table([pa.array(c) for c in columns], schema=_schema(signals)), beside, compression="zstd")
+        pq.write_table(
+            pa.table([pa.array(c) for c in columns], schema=_schema(signals)),
+            beside,
+            compression="zstd",
+            use_dictionary=False,
+        )
 
 
 class Beside:

@@ -121,3 +121,81 @@ def test_a_file_of_another_kind_is_refused(tmp_path, capsys) -> None:
     file.write_text("")
     assert main(["run", str(file), "--until", "1"]) == 2
     assert "system.toml: is no file of a system (got '.toml')" in capsys.readouterr().err
+
+
+# ---------------------------------------------------------------- recording, scenarios, states, speed
+SCENARIO = """{"format": "seacrane-scenario/1", "name": "lost spring", "events": [
+    {"at": "0.5 s", "do": "override", "variable": "mass.force", "to": "0 N"},
+    {"at": "1.5 s", "do": "release", "variable": "mass.force"}]}"""
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".arrow", ".parquet"])
+def test_a_scenario_is_carried_out_and_recorded_into_any_kind_of_file(folder, tmp_path, suffix, capsys) -> None:
+    file, scenario = tmp_path / f"run{suffix}", tmp_path / "lost.json"
+    scenario.write_text(SCENARIO)
+    assert run(folder, "--until", "2", "--record", str(file), "--scenario", str(scenario)) == 0
+    assert f"{file}: 9 signals, 201 rows" in capsys.readouterr().out
+    recording = Recording.read(file)
+    coasting = recording.between(0.51, 1.5)["mass.velocity"]
+    assert np.ptp(coasting) == 0.0
+    assert np.ptp(recording.between(1.52, 2.0)["mass.velocity"]) > 0.1
+
+
+def test_a_run_in_two_parts_is_the_run_in_one(folder, tmp_path) -> None:
+    whole, rest, state = tmp_path / "whole.arrow", tmp_path / "rest.arrow", tmp_path / "run.state"
+    scenario = tmp_path / "lost.json"
+    scenario.write_text(SCENARIO)
+    assert run(folder, "--until", "2", "--record", str(whole), "--scenario", str(scenario)) == 0
+    assert run(folder, "--until", "1", "--save", str(state), "--scenario", str(scenario)) == 0
+    options = ["--resume", str(state), "--scenario", str(scenario)]
+    assert run(folder, "--until", "2", "--record", str(rest), *options) == 0
+    expected, resumed = Recording.read(whole).between(1.0, 2.0), Recording.read(rest)
+    assert np.array_equal(resumed.time, expected.time)
+    assert all(np.array_equal(resumed[name], expected[name]) for name in expected)
+
+
+def test_a_state_of_another_run_is_refused(folder, tmp_path, capsys) -> None:
+    state = tmp_path / "run.state"
+    assert run(folder, "--until", "1", "--save", str(state)) == 0
+    assert run(folder, "--until", "2", "--resume", str(state), "--step", "0.02") == 2
+    assert "the algorithm: is not the same as in the saved run" in capsys.readouterr().err
+
+
+def test_a_scenario_that_does_not_fit_is_refused_with_all_that_is_wrong(folder, tmp_path, capsys) -> None:
+    scenario = tmp_path / "lost.json"
+    scenario.write_text(SCENARIO.replace("mass.force", "mas.force").replace("0 N", "0 bar"))
+    assert run(folder, "--until", "2", "--scenario", str(scenario)) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert [line.partition("events")[2][:12] for line in lines if "events" in line] == ["[0].variable", "[1].variable"]
+
+
+def test_a_run_at_a_given_speed_says_how_well_it_was_kept(folder, capsys) -> None:
+    assert run(folder, "--until", "1", "--speed", "5") == 0
+    assert "5 times real time: " in capsys.readouterr().out
+
+
+def test_a_recording_is_shown_and_converted(folder, tmp_path, capsys) -> None:
+    file, target = tmp_path / "run.arrow", tmp_path / "run.parquet"
+    assert run(folder, "--until", "1", "--record", str(file), "--signals", "mass.velocity,spring.force") == 0
+    capsys.readouterr()
+    assert main(["recording", "convert", str(file), str(target)]) == 0
+    assert capsys.readouterr() == (f"{target}: 2 signals, 101 rows\n", "")
+    assert main(["recording", "show", str(target)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == f"{target}: 2 signals, 101 rows from 0 to 1 s"
+    assert lines[1].startswith("mass.velocity")
+    assert (lines[1].endswith(" 1 m/s"), lines[2].endswith(" kN")) == (True, True)
+
+
+def test_what_a_crash_has_left_is_recovered_and_said_to_be_cut_off(folder, tmp_path, capsys) -> None:
+    file, target = tmp_path / "run.arrow", tmp_path / "run.csv"
+    assert run(folder, "--until", "1", "--record", str(file)) == 0
+    file.write_bytes(file.read_bytes()[:-8])
+    capsys.readouterr()
+    assert main(["recording", "convert", str(file), str(target)]) == 0
+    said = capsys.readouterr()
+    assert said.out == f"{target}: 9 signals, 101 rows\n"
+    assert said.err == f"seacrane: {file} was cut off: these are all its complete rows\n"
+    file.write_bytes(b"nothing of the kind\n")
+    assert main(["recording", "convert", str(file), str(target)]) == 2
+    assert "the first column is not the time" in capsys.readouterr().err

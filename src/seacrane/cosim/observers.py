@@ -121,13 +121,13 @@ class ArrowRecorder(Observer):
     """Writes rows to a crash-safe file in columns: an Arrow stream (`seacrane.results.columnar`).
 
     What was handed over survives the end of the process once it is older than a quarter of a second, and a loss of
-    power once it is older than a second or so. If `path` ends in `.parquet`, the stream is kept beside it as `.arrow`
-    and turned into Parquet when the recorder is closed. `CosimError` if the file cannot be written.
+    power once it is older than a second or so. If `path` ends in `.parquet`, the stream is kept beside it as
+    `.parquet.arrow` and turned into Parquet when the recorder is closed. `CosimError` if the file cannot be written.
     """
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
-        self.live = self.path.with_suffix(".arrow")
+        self.live = self.path if self.path.suffix == ".arrow" else self.path.with_name(f"{self.path.name}.arrow")
         """The stream: what there is after a crash."""
         self._writer: StreamWriter | None = None
 

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from seacrane.design.crane import Crane, Cylinder
 from seacrane.design.geometry import retracted_length
-from seacrane.design.planar import Array, Plane, Postures, plane_joints
+from seacrane.design.planar import Array, Plane, Postures, grid, plane_joints
 from seacrane.errors import DesignError, nearest
 from seacrane.units import GRAVITY
 
@@ -125,19 +125,6 @@ def each_limit(crane: Crane, posture: dict[str, float], mode: Mode = HARBOUR) ->
     lift = _Lift(crane, {name: np.asarray(q) for name, q in posture.items()}, mode)
     loads = (max(0.0, float(load) - crane.hoist.hook_mass) for load in lift.loads())
     return dict(zip(limits(crane), loads, strict=False))
-
-
-def grid(crane: Crane, count: int | Sequence[int]) -> dict[str, Array]:
-    """Postures that fill the joints' limits evenly, for `capacity`: `count` for each joint of the plane."""
-    joints = plane_joints(crane)
-    counts = [count] * len(joints) if isinstance(count, int) else list(count)
-    postures = {}
-    for place, (joint, number) in enumerate(zip(joints, counts, strict=True)):
-        shape = [1] * len(joints)
-        shape[place] = number
-        low, high = joint.limits or (0.0, 0.0)
-        postures[joint.name] = np.linspace(low, high, number).reshape(shape)
-    return postures
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,6 +65,19 @@ def check_plane(crane: Crane) -> list[Problem]:
         if joint.name != slew and joint.limits is None:
             problems.append(Problem(f"{path}.limits", "are needed: only slewing may be endless", joint.name))
     return problems
+
+
+def grid(crane: Crane, count: int | Sequence[int]) -> dict[str, Array]:
+    """Postures that fill the joints' limits evenly: `count` for each joint of the plane, or one number for all."""
+    joints = plane_joints(crane)
+    counts = [count] * len(joints) if isinstance(count, int) else list(count)
+    postures = {}
+    for place, (joint, number) in enumerate(zip(joints, counts, strict=True)):
+        shape = [1] * len(joints)
+        shape[place] = number
+        low, high = joint.limits or (0.0, 0.0)
+        postures[joint.name] = np.linspace(low, high, number).reshape(shape)
+    return postures
 
 
 class Plane:

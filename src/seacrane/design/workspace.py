@@ -16,13 +16,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from seacrane.design.chart import grid
+from seacrane.design.chart import HARBOUR, Mode, capacity
 from seacrane.design.crane import Crane, Joint
-from seacrane.design.planar import Array, Plane, plane_joints
+from seacrane.design.planar import Array, Plane, grid, plane_joints
 from seacrane.errors import DesignError
 
 _BEFORE = 121
-"""Coordinates tried of a joint before the last two."""
+"""Coordinates tried of a joint before the last two, for what can be reached."""
+
+_BEFORE_LOADS = 31
+"""The same for loads, which vary slowly with them."""
 
 
 @dataclass(frozen=True)
@@ -84,12 +87,34 @@ def section(crane: Crane, cells: int = 600) -> Section:
     left, right, low, high = extent(crane)
     radius, height = _centres(left, right, cells), _centres(low, high, cells)
     reachable = np.zeros((cells, cells), dtype=bool)
-    before = [np.linspace(*(joint.limits or (0.0, 0.0)), _BEFORE) for joint in joints[:-2]]
+    for _, within in _solutions(crane, joints, radius[None, :], height[:, None], _BEFORE):
+        reachable |= within
+    return Section(radius, height, reachable)
+
+
+def loads(crane: Crane, where: Section, mode: Mode = HARBOUR) -> Array:
+    """What the best posture lifts at each cell of a section [kg], shape of `where.reachable`; nan out of reach.
+
+    With three joints in the plane or more, of the best of a row of coordinates of the first ones.
+    """
+    x, z = np.broadcast_arrays(where.radius[None, :], where.height[:, None])
+    best = np.full(where.reachable.shape, np.nan)
+    for posture, within in _solutions(crane, plane_joints(crane), x, z, _BEFORE_LOADS):
+        there = {name: np.broadcast_to(q, within.shape)[within] for name, q in posture.items()}
+        if within.any():
+            best[within] = np.fmax(best[within], capacity(crane, there, mode).swl)
+    return best
+
+
+def _solutions(
+    crane: Crane, joints: tuple[Joint, ...], x: Array, z: Array, tried: int
+) -> Iterator[tuple[dict[str, Array], NDArray[np.bool_]]]:
+    """All postures for the points, of `tried` coordinates of each joint before the last two, and where they hold."""
+    before = [np.linspace(*(joint.limits or (0.0, 0.0)), tried) for joint in joints[:-2]]
     for values in itertools.product(*before):
         fixed = {joint.name: np.asarray(q) for joint, q in zip(joints, values, strict=False)}
-        for _, within in _reached(crane, joints, fixed, radius[None, :], height[:, None]):
-            reachable |= within
-    return Section(radius, height, reachable)
+        for posture, within in _reached(crane, joints, fixed, x, z):
+            yield {**fixed, **posture}, within
 
 
 def postures_at(crane: Crane, radius: float, height: float) -> list[dict[str, float]]:

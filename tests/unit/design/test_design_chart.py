@@ -139,7 +139,7 @@ def test_at_sea_the_dynamic_factor_of_what_is_lifted_uses_up_the_limit() -> None
 
 
 def test_waves_heel_and_reeving_never_add_capacity_where_they_should_not() -> None:
-    at = chart.grid(OFFSHORE, 60)
+    at = planar.grid(OFFSHORE, 60)
     swl = [chart.capacity(OFFSHORE, at, mode).swl for mode in chart.modes(OFFSHORE)]
     for calm, rough in itertools.pairwise(swl):
         assert np.all(rough <= calm + 1e-6)
@@ -156,7 +156,7 @@ def test_waves_heel_and_reeving_never_add_capacity_where_they_should_not() -> No
 def test_a_posture_that_the_crane_cannot_hold_alone_carries_nothing() -> None:
     weak = tuple(msgspec.structs.replace(c, pressure=20 * bar) for c in OFFSHORE.cylinders)
     crane = msgspec.structs.replace(OFFSHORE, cylinders=weak)
-    found = chart.capacity(crane, chart.grid(crane, 30))
+    found = chart.capacity(crane, planar.grid(crane, 30))
     assert found.swl.min() == 0.0
     outboard = found.radius > 25
     assert {found.limits[i] for i in np.unique(found.governs[outboard & (found.swl == 0)])} == {"boom_cylinder"}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from seacrane import design
-from seacrane.design import geometry, planar, workspace
+from seacrane.design import chart, geometry, planar, workspace
 from seacrane.errors import DesignError
 
 OFFSHORE = design.load("offshore-100t")
@@ -80,3 +80,23 @@ def test_one_joint_has_no_section() -> None:
     crane = msgspec.structs.replace(OFFSHORE, links=OFFSHORE.links[:2], cylinders=OFFSHORE.cylinders[:1])
     with pytest.raises(DesignError, match="two joints in the plane"):
         workspace.section(crane)
+
+
+def test_the_load_over_the_section_is_that_of_the_postures_of_its_cells() -> None:
+    found = workspace.section(OFFSHORE, 80)
+    best = workspace.loads(OFFSHORE, found)
+    assert np.array_equal(np.isfinite(best), found.reachable)
+    for row, column in zip(*(index[::400] for index in np.nonzero(found.reachable)), strict=True):
+        postures = workspace.postures_at(OFFSHORE, float(found.radius[column]), float(found.height[row]))
+        most = max(min(chart.each_limit(OFFSHORE, posture).values()) for posture in postures)
+        assert best[row, column] == pytest.approx(most, rel=1e-9)
+
+
+def test_with_a_telescope_no_posture_lifts_more_than_the_section_says() -> None:
+    crane = design.load("gunnerus-pk65")
+    found = workspace.section(crane, 60)
+    best = workspace.loads(crane, found)
+    assert np.all(np.isfinite(best[found.reachable]) | (best[found.reachable] >= 0))
+    for row in chart.curve(crane, radii=[8.0, 14.0]):
+        column = int(np.argmin(np.abs(found.radius - row.radius)))
+        assert np.nanmax(best[:, column]) == pytest.approx(row.swl, rel=0.06)

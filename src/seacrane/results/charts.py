@@ -1,0 +1,75 @@
+"""Pictures of load charts and workspaces, in engineering units: figures that belong to no window."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Vector = npt.NDArray[np.float64]
+Line = tuple[Sequence[float], Sequence[float]]
+
+NOT_CERTIFIED = "Computed from a design. Not a certified load chart."
+
+
+def load_curves(curves: Mapping[str, Line], title: str = "") -> Figure:
+    """Load [t] over radius [m], one curve for each mode; each curve is (radii [m], loads [kg])."""
+    figure, axes = _figure(title)
+    draw_load_curves(axes, curves)
+    return figure
+
+
+def draw_load_curves(axes: Axes, curves: Mapping[str, Line]) -> None:
+    """The curves of `load_curves` in given axes."""
+    for name, (radii, loads) in curves.items():
+        axes.plot(radii, np.asarray(loads) / 1e3, marker=".", label=name)
+    axes.set_xlabel("radius [m]")
+    axes.set_ylabel("load [t]")
+    axes.set_ylim(bottom=0.0)
+    axes.grid(True, alpha=0.3)
+    axes.legend(title="mode")
+    axes.text(1.0, 1.01, NOT_CERTIFIED, transform=axes.transAxes, ha="right", fontsize="x-small")
+
+
+def load_section(radius: Vector, height: Vector, load: Vector, outline: Sequence[Line] = (), title: str = "") -> Figure:
+    """The load [kg] of the best posture over the crane's plane, coloured and contoured.
+
+    radius (n,), height (m,) [m]; load (m, n), nan where the tip cannot be; outline: lines of the crane's picture.
+    """
+    figure, axes = _figure(title)
+    draw_load_section(figure, axes, radius, height, load, outline)
+    return figure
+
+
+def draw_load_section(
+    figure: Figure, axes: Axes, radius: Vector, height: Vector, load: Vector, outline: Sequence[Line] = ()
+) -> None:
+    """The picture of `load_section` in given axes of a figure."""
+    tonnes = np.ma.masked_invalid(load / 1e3)
+    colours = axes.pcolormesh(radius, height, tonnes, cmap="viridis", shading="nearest", rasterized=True)
+    most = float(tonnes.max()) if tonnes.count() else 0.0
+    if most > float(tonnes.min() if tonnes.count() else 0.0):
+        levels = np.linspace(0, most, 9)[1:-1]
+        lines = axes.contour(radius, height, tonnes, levels=levels, colors="white", linewidths=0.7)
+        axes.clabel(lines, fmt="%.0f t" if most > 20 else "%.1f t", fontsize="x-small")
+    for x, z in outline:
+        axes.plot(x, z, color="black", linewidth=1.6, solid_capstyle="round")
+    figure.colorbar(colours, ax=axes, label="load of the best posture [t]")
+    axes.set_xlabel("radius [m]")
+    axes.set_ylabel("height above the foot [m]")
+    axes.set_aspect("equal")
+
+
+def _figure(title: str) -> tuple[Figure, Axes]:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8.0, 6.0), layout="constrained")
+    if title:
+        figure.suptitle(title)
+    return figure, figure.subplots()

@@ -167,6 +167,12 @@ def curve(crane: Crane, mode: Mode = HARBOUR, *, radii: Sequence[float] | None =
     return rows
 
 
+def to_csv(rows: Sequence[Row]) -> str:
+    """Rows as CSV with the columns mode, radius_m, swl_t, governs."""
+    lines = [f"{row.mode},{row.radius:.10g},{row.swl / 1e3:.6g},{row.governs}" for row in rows]
+    return "\n".join(["mode,radius_m,swl_t,governs", *lines]) + "\n"
+
+
 _COUNTS = {1: 2000, 2: 256, 3: 40, 4: 16}
 """Postures per joint of a curve, by the number of joints in the plane."""
 

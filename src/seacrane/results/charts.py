@@ -73,3 +73,41 @@ def _figure(title: str) -> tuple[Figure, Axes]:
     if title:
         figure.suptitle(title)
     return figure, figure.subplots()
+
+
+def data_sheet(
+    name: str,
+    about: str,
+    facts: Sequence[tuple[str, str]],
+    drawing: Sequence[Line],
+    curves: Mapping[str, Line],
+    section: tuple[Vector, Vector, Vector],
+    provenance: str,
+) -> bytes:
+    """One landscape A4 page of PDF, without a date: the same content gives the same bytes."""
+    import io
+
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11.69, 8.27), layout="constrained")
+    figure.suptitle(f"{name}   data sheet", fontsize="x-large", x=0.02, ha="left", weight="bold")
+    grid = figure.add_gridspec(3, 2, height_ratios=(0.16, 1, 1))
+    head = figure.add_subplot(grid[0, :])
+    head.axis("off")
+    head.text(0.0, 0.9, about, transform=head.transAxes, va="top", fontsize="small", wrap=True)
+    side = figure.add_subplot(grid[1, 0])
+    for x, z in drawing:
+        side.plot(x, z, color="black", linewidth=0.5)
+    side.set(xlabel="x [m]", ylabel="height above the foot [m]", aspect="equal", title="side view")
+    draw_load_section(figure, figure.add_subplot(grid[1, 1]), *section)
+    draw_load_curves(figure.add_subplot(grid[2, 0]), curves)
+    table = figure.add_subplot(grid[2, 1])
+    table.axis("off")
+    for row, (what, value) in enumerate(facts):
+        y = 1.0 - row / max(len(facts), 1)
+        table.text(0.0, y, what, transform=table.transAxes, va="top", fontsize="small")
+        table.text(0.42, y, value, transform=table.transAxes, va="top", fontsize="small")
+    figure.text(0.02, 0.003, f"{NOT_CERTIFIED} {provenance}", fontsize="x-small")
+    content = io.BytesIO()
+    figure.savefig(content, format="pdf", metadata={"CreationDate": None})
+    return content.getvalue()

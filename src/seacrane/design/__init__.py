@@ -4,7 +4,7 @@ crane = design.load("offshore-100t")
 design.geometry.radius(crane, {"luff": 50 * deg, "jib": -70 * deg})
 """
 
-from seacrane.design import chart, geometry, mass, mesh, parts, planar, standard, workspace
+from seacrane.design import archive, chart, geometry, mass, mesh, parts, planar, robot, sheet, standard, workspace
 from seacrane.design.crane import (
     FOOT,
     FORMAT,
@@ -39,6 +39,7 @@ __all__ = [
     "Rope",
     "Slew",
     "Source",
+    "archive",
     "chart",
     "check",
     "geometry",
@@ -49,7 +50,9 @@ __all__ = [
     "names",
     "parts",
     "planar",
+    "robot",
     "save",
+    "sheet",
     "standard",
     "to_json",
     "workspace",

@@ -24,8 +24,8 @@ def sheet(crane: Crane, provenance: str) -> bytes:
     return data_sheet(
         crane.name,
         crane.about,
-        _facts(crane, where),
-        side_view(crane, _half_up(crane)),
+        facts(crane, where),
+        side_view(crane, half_way(crane)),
         curves,
         (where.radius, where.height, best),
         f"Design SHA-256 {provenance}",
@@ -70,16 +70,19 @@ def _creases(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     return creases
 
 
-def _half_up(crane: Crane) -> dict[str, float]:
+def half_way(crane: Crane) -> dict[str, float]:
+    """The posture with every joint in the middle of its limits."""
     return {
         joint.name: 0.5 * (joint.limits[0] + joint.limits[1]) if joint.limits else 0.0 for joint in plane_joints(crane)
     }
 
 
-def _facts(crane: Crane, where: workspace.Section) -> list[tuple[str, str]]:
+def facts(crane: Crane, where: workspace.Section | None = None) -> list[tuple[str, str]]:
+    """What a data sheet says of a crane, as pairs of words; `where` is its workspace if that is known already."""
+    where = where or workspace.section(crane, 240 if len(plane_joints(crane)) == 2 else 120)
     low_x, high_x, low_z, high_z = workspace.extent(crane)
     total = sum(link.mass for link in crane.links)
-    facts = [
+    known = [
         ("reach", f"{max(low_x, 0):.2f} to {high_x:.2f} m"),
         ("height of the tip above the foot", f"{low_z:.2f} to {high_z:.2f} m"),
         ("workspace", f"{where.area:.0f} m2, {where.volume(crane):.0f} m3"),
@@ -88,12 +91,12 @@ def _facts(crane: Crane, where: workspace.Section) -> list[tuple[str, str]]:
     for joint in crane.joints:
         unit, symbol = (1.0, "m") if joint.kind == "prismatic" else (deg, "deg")
         limits = f"{joint.limits[0] / unit:.4g} to {joint.limits[1] / unit:.4g} {symbol}" if joint.limits else "endless"
-        facts.append((f"joint {joint.name}", limits))
+        known.append((f"joint {joint.name}", limits))
     for c in crane.cylinders:
         size = (
             f"{c.count} x {c.bore * 1e3:.0f}/{c.rod * 1e3:.0f} mm, stroke {c.stroke:.3g} m, {c.pressure / bar:.0f} bar"
         )
-        facts.append((c.name, size))
+        known.append((c.name, size))
     hoist = crane.hoist
-    facts.append(("hoist", f"{hoist.falls} fall(s) of {hoist.rope.diameter * 1e3:.0f} mm, {hoist.speed:.3g} m/s"))
-    return facts
+    known.append(("hoist", f"{hoist.falls} fall(s) of {hoist.rope.diameter * 1e3:.0f} mm, {hoist.speed:.3g} m/s"))
+    return known

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -85,11 +86,10 @@ def data_sheet(
     provenance: str,
 ) -> bytes:
     """One landscape A4 page of PDF, without a date: the same content gives the same bytes."""
-    import io
-
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    figure = Figure(figsize=(11.69, 8.27), layout="constrained")
+    figure = Figure(figsize=(11.69, 8.27), layout=ConstrainedLayoutEngine(rect=(0.0, 0.03, 1.0, 0.97)))
     figure.suptitle(f"{name}   data sheet", fontsize="x-large", x=0.02, ha="left", weight="bold")
     grid = figure.add_gridspec(3, 2, height_ratios=(0.16, 1, 1))
     head = figure.add_subplot(grid[0, :])

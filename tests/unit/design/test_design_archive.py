@@ -1,0 +1,158 @@
+"""What leaves the house with a design: read back, and by other programs."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import io
+import json
+import math
+import zipfile
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+import trimesh
+
+from seacrane import design
+from seacrane.design import Crane, archive, chart, geometry, mass, mesh, robot, standard
+from seacrane.errors import DesignError
+
+
+@pytest.fixture(scope="module")
+def exported(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("export") / "crane.zip"
+    archive.export(design.load("offshore-100t"), path)
+    return path
+
+
+def test_an_exported_crane_reads_back_equal_and_again_gives_the_same_bytes(exported: Path, tmp_path: Path) -> None:
+    crane = archive.load_archive(exported)
+    assert crane == design.load("offshore-100t")
+    archive.export(crane, tmp_path / "again.zip")
+    assert (tmp_path / "again.zip").read_bytes() == exported.read_bytes()
+
+
+def test_the_archive_says_what_it_was_made_from(exported: Path) -> None:
+    with zipfile.ZipFile(exported) as files:
+        assert {
+            "design.json",
+            "meshes/boom.glb",
+            "meshes/boom.stl",
+            "mass_properties.json",
+            "load_chart.csv",
+            "load_chart.json",
+            "offshore-100t.xml",
+            "offshore-100t.urdf",
+            "sheet.pdf",
+            "provenance.json",
+        } <= set(files.namelist())
+        written = json.loads(files.read("provenance.json"))
+        assert written["design_sha256"] == hashlib.sha256(files.read("design.json")).hexdigest()
+        assert "Not a certified load chart" in written["notice"]
+        assert files.read("sheet.pdf").startswith(b"%PDF-")
+
+
+def test_the_chart_in_the_archive_is_that_of_the_design(exported: Path) -> None:
+    crane = design.load("offshore-100t")
+    with zipfile.ZipFile(exported) as files:
+        rows = list(csv.DictReader(io.StringIO(files.read("load_chart.csv").decode())))
+    assert list(rows[0]) == ["mode", "radius_m", "swl_t", "governs"]
+    assert {row["mode"] for row in rows} == {mode.name for mode in chart.modes(crane)}
+    for ours, row in zip(chart.curve(crane), rows, strict=False):
+        assert float(row["swl_t"]) == pytest.approx(ours.swl / 1e3, rel=1e-5)
+        assert row["governs"] == ours.governs
+
+
+def test_another_program_reads_meshes_of_the_same_steel(exported: Path) -> None:
+    crane = standard.furnished(design.load("offshore-100t"))
+    with zipfile.ZipFile(exported) as files:
+        for link in crane.links:
+            steel = sum(mass.of_part(part).mass / part.density for part in link.parts)
+            for kind in ("glb", "stl"):
+                content = io.BytesIO(files.read(f"meshes/{link.name}.{kind}"))
+                other = trimesh.load(content, file_type=kind, force="mesh")
+                assert other.volume == pytest.approx(steel, rel=1e-3)
+            boom = trimesh.load(io.BytesIO(files.read(f"meshes/{link.name}.glb")), file_type="glb", force="mesh")
+            ours = mesh.joined([mesh.mesh(part) for part in link.parts])
+            height = ours.vertices[:, 2]  # up in a link, y in glTF
+            assert boom.bounds[:, 1] == pytest.approx([height.min(), height.max()], abs=1e-5)
+
+
+@pytest.mark.parametrize("name", design.names())
+def test_mujoco_finds_the_tip_the_cylinders_and_the_masses_of_the_mjcf_where_the_design_has_them(name: str) -> None:
+    crane = design.load(name)
+    model = mujoco.MjModel.from_xml_string(robot.mjcf(crane))
+    data = mujoco.MjData(model)
+    random = np.random.default_rng(5)
+    posture = {joint.name: float(random.uniform(*(joint.limits or (-3.0, 3.0)))) for joint in crane.joints}
+    for joint, q in posture.items():
+        data.joint(joint).qpos = q
+    mujoco.mj_forward(model, data)
+    np.testing.assert_allclose(
+        data.site(f"sheave {len(crane.hoist.sheaves)}").xpos, geometry.tip(crane, posture), atol=1e-9
+    )
+    for cylinder in crane.cylinders:
+        assert data.ten(cylinder.name).length[0] == pytest.approx(geometry.cylinder_length(crane, cylinder, posture))
+    assert model.body_mass.sum() == pytest.approx(sum(link.mass for link in crane.links))
+    for joint in crane.joints:
+        limits = model.joint(joint.name).range
+        assert tuple(limits) == pytest.approx(joint.limits or (0.0, 0.0))
+    other = mujoco.MjModel.from_xml_string(robot.urdf(crane))
+    assert other.nv == len(crane.joints)
+    assert other.body_mass.sum() == pytest.approx(sum(link.mass for link in crane.links))
+
+
+def test_the_mjcf_of_the_archive_loads_with_its_meshes(exported: Path) -> None:
+    with zipfile.ZipFile(exported) as files:
+        assets = {name: files.read(name) for name in files.namelist() if name.endswith(".stl")}
+        model = mujoco.MjModel.from_xml_string(files.read("offshore-100t.xml").decode(), assets)
+    assert model.nmesh == 3
+    assert model.ngeom == 3
+
+
+def _zip(path: Path, files: dict[str, bytes]) -> Path:
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as out:
+        for name, data in files.items():
+            out.writestr(name, data)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("files", "message"),
+    [
+        ({"other.json": b"{}"}, "design.json: is not in the archive, so it is not a crane"),
+        ({"design.json": b"[]"}, "does not hold a crane"),
+        ({"design.json": b"{"}, "is not JSON"),
+        ({"design.json": b" " * (17 * 2**20)}, "is larger than 16 MiB"),
+        ({f"{i}": b"" for i in range(1001)}, "has too many files for a design"),
+        ({"../design.json": b"{}"}, "is not in the archive"),
+    ],
+    ids=["no design", "no crane", "no JSON", "a bomb", "many files", "out of the folder"],
+)
+def test_a_hostile_archive_is_refused_with_the_reason(files: dict[str, bytes], message: str, tmp_path: Path) -> None:
+    path = _zip(tmp_path / "bad.zip", files)
+    before = set(tmp_path.iterdir())
+    with pytest.raises(DesignError, match=message):
+        archive.load_archive(path)
+    assert set(tmp_path.iterdir()) == before
+
+
+def test_a_damaged_archive_is_refused_with_the_reason(exported: Path, tmp_path: Path) -> None:
+    whole = exported.read_bytes()
+    (tmp_path / "cut.zip").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(DesignError, match="is not a whole ZIP archive"):
+        archive.load_archive(tmp_path / "cut.zip")
+    with pytest.raises(DesignError, match="cannot be read"):
+        archive.load_archive(tmp_path / "none.zip")
+
+
+def test_a_crane_that_is_not_sound_is_not_exported(tmp_path: Path) -> None:
+    import msgspec
+
+    crane: Crane = design.load("offshore-100t")
+    bad = msgspec.structs.replace(crane, bulk_modulus=math.nan)
+    with pytest.raises(DesignError, match="bulk_modulus"):
+        archive.export(bad, tmp_path / "bad.zip")
+    assert list(tmp_path.iterdir()) == []

@@ -9,7 +9,7 @@ from functools import cache
 from typing import Any, Final
 
 from seacrane.errors import FmuError, Problem
-from seacrane.fmi.api import FMI2, Api, Library
+from seacrane.fmi.api import FMI2, Api, Library, address
 from seacrane.fmi.description import REALS, ModelDescription
 from seacrane.fmi.reading3 import MOST_ELEMENTS
 from seacrane.native import build_library, source
@@ -24,13 +24,14 @@ class State(ctypes.Structure):
             for name in (
                 "fmu", "set", "get", "do_step", "enter_event", "update", "resume", "set_time", "set_states",
                 "get_states", "derivatives", "indicators", "completed", "nominals", "directional",
-                "state_references", "derivative_references", "memory",
+                "state_references", "derivative_references", "memory", "ramp",
+                "input_references",
             )
         ),
-        *((name, c_int64) for name in ("version", "exchange", "event_mode", "discrete_inputs", "n", "m")),
+        *((name, c_int64) for name in ("inputs", "version", "exchange", "event_mode", "discrete_inputs", "n", "m")),
         ("tolerance", c_double),
-        *((name, c_double) for name in ("time", "next_event", "next_step")),
-        *((name, c_int64) for name in ("mode", "event_known", "steps", "rejected", "events", "jacobians")),
+        *((name, c_double) for name in ("time", "next_event", "next_step", "ramp_start")),
+        *((name, c_int64) for name in ("ramping", "mode", "event_known", "steps", "rejected", "events", "jacobians")),
         ("message", c_char * 256),
     )  # fmt: skip
 
@@ -44,7 +45,9 @@ _SAVED: Final = slice(State.time.offset, State.message.offset)
 @cache
 def adapter() -> ctypes.CDLL:
     """The compiled adapter. `CompileError` if there is no C compiler."""
-    library = ctypes.CDLL(str(build_library("foreign", source("foreign.c", "logger.c", "typed.c"))))
+    library = ctypes.CDLL(
+        str(build_library("foreign", source("foreign.h", "foreign.c", "foreign_solver.c", "logger.c", "typed.c")))
+    )
     library.seacrane_foreign_room.restype = c_size_t
     library.seacrane_foreign_room.argtypes = [c_int64, c_int64]
     library.seacrane_foreign_begin.argtypes = [c_void_p, c_double]
@@ -126,10 +129,23 @@ class Foreign:
                 (c_uint32 * max(1, len(group)))(*(v.value_reference for v in group)) for group in (states, derivatives)
             ]
             state.state_references, state.derivative_references = map(addressof, self._references)
+            reals = ("Real", "Float64")
+            inputs = [
+                v for v in description.inputs if v.type in reals and v.variability == "continuous" and not v.shape
+            ]
+            self._inputs = (c_uint32 * max(1, len(inputs)))(*(v.value_reference for v in inputs))
+            self._ramp = (c_double * max(1, 3 * len(inputs)))()
+            state.inputs = len(inputs)
+            state.input_references, state.ramp = addressof(self._inputs), addressof(self._ramp)
 
     @property
     def handle(self) -> int:
         return addressof(self.state)
+
+    @property
+    def calls(self) -> Calls:
+        names = ["set", "get", "step", *(["derive"] if self.state.inputs else [])]
+        return Calls(*(address(getattr(self.c, f"seacrane_foreign_{name}")) for name in names))
 
     def size(self, states: int, indicators: int) -> None:
         """Gives the solver its memory. `FmuError` if the model is too large for its dense matrices."""

@@ -76,8 +76,7 @@ class FmuInstance(Sensitivities):
         else:
             self.handle = self._foreign.handle
             self._foreign.state.fmu = component
-            c = self._foreign.c
-            self.calls = Calls(*(address(getattr(c, f"seacrane_foreign_{n}")) for n in ("set", "get", "step")))
+            self.calls = self._foreign.calls
 
     def set(self, names: Name | Sequence[Name], values: Any) -> None:
         """Sets variables by name; an array takes all its elements, and `x[2,3]` is one of them (counted from 1).
@@ -165,12 +164,12 @@ class FmuInstance(Sensitivities):
         end = int(stop is not None), stop or 0.0
         known = int(tolerance is not None), tolerance or 0.0, time, *end
         if self._api is FMI1:
-            self._call("InitializeSlave", time, *end)
+            self._c.call("InitializeSlave", time, *end)
         elif self._api is FMI2:
-            self._call("SetupExperiment", *known)
-            self._call("EnterInitializationMode")
+            self._c.call("SetupExperiment", *known)
+            self._c.call("EnterInitializationMode")
         else:
-            self._call("EnterInitializationMode", *known)
+            self._c.call("EnterInitializationMode", *known)
         self._time = time
         self._phase = RUNNING if self._api is FMI1 else INITIALIZING
         self._values.started(True)
@@ -178,7 +177,7 @@ class FmuInstance(Sensitivities):
     def exit_initialization(self) -> None:
         """Leaves initialization mode, and the events at the start; from now on the instance can be stepped."""
         if self._api is not FMI1:
-            self._call("ExitInitializationMode")
+            self._c.call("ExitInitializationMode")
         if self._foreign is not None:
             self._foreign.size(*self._sizes())
             self._adapted("seacrane_foreign_begin", self._time)
@@ -191,8 +190,8 @@ class FmuInstance(Sensitivities):
         if self._api is FMI2:
             return len(self.fmu.description.derivatives), self.fmu.description.event_indicators
         states, indicators = c_size_t(), c_size_t()
-        self._call("GetNumberOfContinuousStates", byref(states))
-        self._call("GetNumberOfEventIndicators", byref(indicators))
+        self._c.call("GetNumberOfContinuousStates", byref(states))
+        self._c.call("GetNumberOfEventIndicators", byref(indicators))
         return states.value, indicators.value
 
     @property
@@ -215,7 +214,7 @@ class FmuInstance(Sensitivities):
     def step(self, time: float, size: float) -> None:
         """Advances from `time` by `size` [s]. Raises `FmuError`, with the status, if it does not get there."""
         if self._foreign is None:
-            self._call("DoStep", time, size, 1)
+            self._c.call("DoStep", time, size, 1)
         else:
             self._adapted("seacrane_foreign_step", time, size, 1)
 
@@ -223,11 +222,11 @@ class FmuInstance(Sensitivities):
         """The complete state as bytes. Raises `FmuError` if the FMU cannot give it."""
         get, _, free, size_of, serialize, _ = self._state_functions()
         state, size = c_void_p(), c_size_t()
-        self._call(get, byref(state))
+        self._c.call(get, byref(state))
         try:
-            self._call(size_of, state, byref(size))
+            self._c.call(size_of, state, byref(size))
             block = ctypes.create_string_buffer(size.value)
-            self._call(serialize, state, block, size)
+            self._c.call(serialize, state, block, size)
         finally:
             self._c.library.function(free)(self._c.live, byref(state))
         return (self._foreign.save() if self._foreign is not None else b"") + block.raw
@@ -240,9 +239,9 @@ class FmuInstance(Sensitivities):
             raise FmuError.at(self.name, "the saved state is not one of this FMU", value=f"{len(saved)} bytes")
         block = saved[own:]
         state = c_void_p()
-        self._call(deserialize, block, len(block), byref(state))
+        self._c.call(deserialize, block, len(block), byref(state))
         try:
-            self._call(set_, state)
+            self._c.call(set_, state)
         finally:
             self._c.library.function(free)(self._c.live, byref(state))
         if self._foreign is not None:
@@ -250,7 +249,7 @@ class FmuInstance(Sensitivities):
 
     def reset(self) -> None:
         """Back to the start values, as just instantiated."""
-        self._call(self._api.reset)
+        self._c.call(self._api.reset)
         self._phase = INSTANTIATED
         self._c.status = OK
         self._values.started(False)
@@ -286,9 +285,6 @@ class FmuInstance(Sensitivities):
         if not (can.saves_state and can.serializes_state):
             raise FmuError.at(self.name, "the FMU cannot save its state", allowed=allowed)
         return list(self._api.state)
-
-    def _call(self, function: str, *arguments: Any) -> None:
-        self._c.call(function, *arguments)
 
     def _adapted(self, function: str, *arguments: Any) -> None:
         """Calls a function of the adapter, which calls several of the FMU."""

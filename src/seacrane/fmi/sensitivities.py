@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from ctypes import c_double, c_int, c_uint32
+from ctypes import CFUNCTYPE, addressof, c_double, c_int, c_size_t, c_uint32, c_void_p
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,12 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from seacrane.errors import FmuError
 from seacrane.fmi.api import FMI3
+from seacrane.fmi.component import Component
 from seacrane.fmi.description import REALS, Variable
+from seacrane.fmi.foreign import Calls
 
 if TYPE_CHECKING:
     from seacrane.fmi.fmu import Fmu
 
 Reals = NDArray[np.float64]
+DeriveFunction = CFUNCTYPE(c_int, c_void_p, c_void_p, c_size_t, c_void_p, c_void_p)
 
 
 class Sensitivities(ABC):
@@ -25,9 +28,9 @@ class Sensitivities(ABC):
 
     fmu: Fmu
     name: str
-
-    @abstractmethod
-    def _call(self, function: str, *arguments: Any) -> None: ...
+    handle: int
+    calls: Calls
+    _c: Component
 
     def directional_derivative(self, unknowns: Sequence[str], knowns: Sequence[str], seed: ArrayLike) -> Reals:
         """The derivative of the unknowns in the direction `seed` of the knowns: J seed, shape (elements of unknowns,).
@@ -60,10 +63,32 @@ class Sensitivities(ABC):
         references, total = _references(variables), sum(v.count for v in variables)
         orders, values = (c_int * len(variables))(*[order] * len(variables)), (c_double * total)()
         if self.fmu.api is FMI3:
-            self._call("GetOutputDerivatives", references, len(variables), orders, values, total)
+            self._c.call("GetOutputDerivatives", references, len(variables), orders, values, total)
         else:
-            self._call("GetRealOutputDerivatives", references, len(variables), orders, values)
+            self._c.call("GetRealOutputDerivatives", references, len(variables), orders, values)
         return np.array(values)
+
+    def set_derivatives(self, names: Sequence[str], values: ArrayLike) -> None:
+        """Lets real scalar inputs vary with these slopes over the next step, from the values they have been set to.
+
+        An FMU for model exchange can always do so; one for co-simulation if it interpolates its inputs. Raises
+        `FmuError` if it cannot.
+        """
+        self._require(self.interpolates, "input that varies within a step")
+        slopes = np.ascontiguousarray(values, dtype=np.float64).reshape(-1)
+        variables = self._reals(names)
+        wrong = [v.name for v in variables if v.causality != "input" or v.variability != "continuous" or v.dimensions]
+        if wrong or slopes.size != len(variables):
+            raise FmuError.at(self.name, f"{', '.join(wrong) or 'slopes'}: one slope for each continuous scalar input")
+        orders = (c_int * len(variables))(*[1] * len(variables))
+        references, function = _references(variables), DeriveFunction(self.calls.derive)
+        arguments = addressof(references), len(variables), addressof(orders), slopes.ctypes.data
+        self._c.check("setting input derivatives", function(self.handle, *arguments))
+
+    @property
+    def interpolates(self) -> bool:
+        """Whether inputs can vary within a step."""
+        return self.calls.derive != 0
 
     def _derivative(
         self,
@@ -86,7 +111,7 @@ class Sensitivities(ABC):
             arguments += [size, values, total]
         else:
             arguments += [values]
-        self._call(function, *arguments)
+        self._c.call(function, *arguments)
         return np.array(values)
 
     def _reals(self, names: Sequence[str]) -> list[Variable]:
@@ -124,7 +149,7 @@ class Sensitivities(ABC):
         if not self.fmu.exchange:
             raise FmuError.at(self.name, "only FMUs for model exchange show their continuous states")
         values = (c_double * self._state_count)()
-        self._call(function, values, len(values))
+        self._c.call(function, values, len(values))
         return np.array(values)
 
 

@@ -13,10 +13,12 @@ import numpy as np
 from seacrane.errors import FmuError, ParameterError, Problem, nearest
 from seacrane.fmi.description import REALS, ModelDescription, Variable
 from seacrane.fmi.fmu import Fmu, Kind
+from seacrane.fmi.instance import FmuInstance
 from seacrane.fmi.symbols import known_units, unit_symbol
 from seacrane.results import Recording, Signal
 from seacrane.units import UNITS, compatible, convert, display
 
+_Driven = tuple[str, Any, Any]
 _NO_NUMBERS = ("String", "Binary", "Clock")
 
 
@@ -45,7 +47,9 @@ def run(
 ) -> Recording:
     """The outputs (or the variables asked for) of an FMU from its start time to `until` [s], a row each `step` [s].
 
-    `values` are set before it starts. `inputs` are set at the beginning of each step, interpolated, in their units.
+    `values` are set before it starts. `inputs` are set at the beginning of each step, interpolated, in their units;
+    where the FMU can take their slopes (model exchange, or canInterpolateInputs) they go on as straight lines to the
+    end of the step, and are held otherwise. A doubled time in them is a jump.
     Variables in a unit that is unknown here are recorded without one. `ParameterError` with all names that do not fit,
     `FmuError` if the FMU fails.
     """
@@ -68,7 +72,7 @@ def run(
             instance.initialize(begin, tolerance=tolerance)
             table[0] = instance.get(names)
             for i in range(count):
-                _drive(instance, driven, times[i])
+                _drive(instance, driven, times[i], times[i + 1])
                 instance.step(times[i], times[i + 1] - times[i])
                 table[i + 1] = instance.get(names)
         units = known_units(d)
@@ -150,7 +154,7 @@ def _outputs(d: ModelDescription, asked: Sequence[str] | None) -> list[str]:
     return list(asked)
 
 
-def _inputs(d: ModelDescription, given: Recording | None) -> list[tuple[str, Any, Any]]:
+def _inputs(d: ModelDescription, given: Recording | None) -> list[_Driven]:
     """Name, times and values in the FMU's unit of each input that is given."""
     if given is None:
         return []
@@ -167,6 +171,17 @@ def _inputs(d: ModelDescription, given: Recording | None) -> list[tuple[str, Any
     return driven
 
 
-def _drive(instance: Any, driven: Sequence[tuple[str, Any, Any]], time: float) -> None:
-    if driven:
-        instance.set([name for name, _, _ in driven], [float(np.interp(time, t, x)) for _, t, x in driven])
+def _drive(instance: FmuInstance, driven: Sequence[_Driven], time: float, end: float | None = None) -> None:
+    """Sets the inputs of a step from `time` to `end` [s], with their slopes if the FMU takes them."""
+    if not driven:
+        return
+    names = [name for name, _, _ in driven]
+    values = np.array([np.interp(time, t, x) for _, t, x in driven])
+    instance.set(names, values)
+    if end is None or not instance.interpolates:
+        return
+    just_before = time + (end - time) * (1 - 1e-12)
+    ramps = np.array([np.interp(just_before, t, x) for _, t, x in driven])
+    continuous = [i for i, name in enumerate(names) if instance.variable(name).variability == "continuous"]
+    slopes = (ramps - values) / (just_before - time)
+    instance.set_derivatives([names[i] for i in continuous], slopes[continuous])

@@ -1,5 +1,6 @@
 /* A ball that falls and bounces as somebody else would write it, against the headers of the standard: h' = v, v' = -g
-   with a state event at h = 0, a time event at `kick_time` that adds to v, and the input `wind` as an acceleration.
+   with a state event at h = 0, a time event at `kick_time` that adds to v in three iterations, a step event above
+   `ceiling`, which stops the ball, an end asked for at `end`, and the input `wind` as an acceleration.
    With -DFMI=2 an FMU for model exchange of FMI 2, with -DFMI=3 one of FMI 3 for model exchange and co-simulation. */
 #include <math.h>
 #include <stdbool.h>
@@ -22,10 +23,10 @@ typedef bool flag_t;
 #define F(name) fmi3##name
 #endif
 
-enum { TIME, H, V, A, G, E, KICK_TIME, KICK, WIND, BOUNCES };
+enum { TIME, H, V, A, G, E, KICK_TIME, KICK, WIND, BOUNCES, CEILING, END, LAST, CAUGHT, VARIABLES };
 typedef struct {
-    double x[BOUNCES];
-    int bounces, kicked, events, slave;
+    double x[VARIABLES];
+    int bounces, kicked, events, slave, ended;
 #if FMI == 3
     double grid[6];
     unsigned char blob[8];
@@ -42,9 +43,11 @@ static double acceleration(const Ball *b) { return -b->x[G] + b->x[WIND]; }
 static void *new_ball(void)
 {
     Ball *b = calloc(1, sizeof *b);
-    b->x[H] = 1, b->x[G] = 9.81, b->x[E] = 0.7, b->x[KICK_TIME] = 1e9;
+    b->x[H] = 1, b->x[G] = 9.81, b->x[E] = 0.7, b->x[KICK_TIME] = b->x[CEILING] = b->x[END] = 1e9;
     return b;
 }
+static int too_high(const Ball *b) { return b->x[CAUGHT] == 0 && b->x[H] > b->x[CEILING]; }
+static double next_event(const Ball *b) { return b->kicked ? b->x[END] : fmin(b->x[KICK_TIME], b->x[END]); }
 static int bounce(Ball *b)
 {
     int changed = 0;
@@ -52,12 +55,20 @@ static int bounce(Ball *b)
         b->x[H] = 0;
         b->x[V] *= -b->x[E];
         b->bounces++;
+        b->x[LAST] = b->x[TIME];
         changed = 1;
     }
-    if (!b->kicked && b->x[TIME] >= b->x[KICK_TIME]) {
-        b->x[V] += b->x[KICK];
-        b->kicked = changed = 1;
+    if (b->kicked < 3 && b->x[TIME] >= b->x[KICK_TIME]) { /* a third in each of three iterations */
+        b->x[V] += b->x[KICK] / 3;
+        b->kicked++;
+        changed = 1;
     }
+    if (too_high(b)) {
+        b->x[V] = 0;
+        b->x[CAUGHT] = b->x[TIME];
+        changed = 1;
+    }
+    b->ended = b->x[TIME] >= b->x[END];
     b->events++;
     return changed;
 }
@@ -97,14 +108,15 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean a, fmi2Real b, fmi2R
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) { (void)c; return OK; }
 fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real d[], size_t n) { return derivatives(c, d, n); }
 fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean n, fmi2Boolean *event, fmi2Boolean *end)
-{ (void)c, (void)n; *event = *end = 0; return OK; }
+{ (void)n; *event = too_high(c), *end = 0; return OK; }
 fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *i)
 {
     Ball *b = c;
     memset(i, 0, sizeof *i);
     i->valuesOfContinuousStatesChanged = i->newDiscreteStatesNeeded = bounce(b);
-    i->nextEventTimeDefined = !b->kicked;
-    i->nextEventTime = b->x[KICK_TIME];
+    i->terminateSimulation = b->ended;
+    i->nextEventTimeDefined = !b->ended;
+    i->nextEventTime = next_event(b);
     return OK;
 }
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2Real v[])
@@ -156,7 +168,7 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean a, fmi3Float6
 { (void)a, (void)b, (void)d, (void)e; ((Ball *)c)->x[TIME] = t; return OK; }
 fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance c, fmi3Float64 d[], size_t n) { return derivatives(c, d, n); }
 fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean n, fmi3Boolean *event, fmi3Boolean *end)
-{ (void)c, (void)n; *event = *end = false; return OK; }
+{ (void)n; *event = too_high(c), *end = false; return OK; }
 fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t *n) { (void)c; *n = 2; return OK; }
 fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance c, size_t *n) { (void)c; *n = 1; return OK; }
 fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *again, fmi3Boolean *end, fmi3Boolean *nominals,
@@ -164,9 +176,10 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *again, fmi3Bool
 {
     Ball *b = c;
     *again = *values = bounce(b);
-    *end = *nominals = false;
-    *defined = !b->kicked;
-    *next = b->x[KICK_TIME];
+    *nominals = false;
+    *end = b->ended;
+    *defined = !b->ended;
+    *next = next_event(b);
     return OK;
 }
 fmi3Status fmi3EnterStepMode(fmi3Instance c) { (void)c; return OK; }

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import casadi as ca
 import pytest
+from balls import build
 
 from seacrane import fmi
 from seacrane.model.dae import Dae, Variable, column
@@ -41,3 +42,8 @@ def cylinder() -> Dae:
 @pytest.fixture(scope="session")
 def piston_fmu(cylinder: Dae, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return fmi.export(cylinder, tmp_path_factory.mktemp("fmu") / "piston.fmu")
+
+
+@pytest.fixture(scope="session")
+def balls(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    return build(tmp_path_factory.mktemp("balls"))

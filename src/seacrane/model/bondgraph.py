@@ -1,7 +1,9 @@
 """The bond graph of a diagram: the graphs of its components joined, simplified, and given causality.
 
 Where ports meet, hydraulic ones are joined by a 0 junction (one pressure), mechanical ones by a 1 junction (one speed).
-Junctions of one kind that touch are merged, and one that only passes a bond on is left out.
+Junctions of one kind that touch are merged, and one that only passes a bond on is left out. A diagram placed in another
+keeps its own junctions, so that it can be drawn by itself. Signals that modulate elements are kept beside the bonds,
+with the blocks that they come through.
 
 Causality is assigned sequentially (SCAP): sources first, then stores in integral form, then what resistors are left,
 each followed by what the junctions and transformers imply. Three things can go wrong and are reported: a store that is
@@ -13,35 +15,57 @@ cannot be met.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+import itertools
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
+from .component import Component
 from .diagram import Diagram
-from .net import Net, net
-from .ports import PowerPort
+from .net import End, Net, Node, net
+from .ports import PowerPort, SignalIn, SignalOut
 from .structure import Bond
 
 WORD: Final = "word"
 """Kind of the element that stands for a component without a bond graph of its own: it has no rule of causality."""
+
+BLOCK: Final = "block"
+"""Kind of the element that stands for a component that carries signals only, and for a signal given from outside."""
 
 Sort = Literal["derivative", "loop", "conflict"]
 
 
 @dataclass(frozen=True)
 class Element:
-    """An element of the joined graph: `cylinder.oil_a`, of kind C, of component `cylinder`."""
+    """An element of the joined graph: `drive.cylinder.oil_a`, of kind C, of component `drive.cylinder`.
+
+    `scope` is the diagram that it stands in, one placed in another by its path: `drive`.
+    """
 
     name: str
     kind: str
     component: str
+    scope: str = ""
 
 
 @dataclass(frozen=True)
 class DomainBond(Bond):
-    """A bond with the domain of its power: "hydraulic", "translational", "rotational", or "" if not known."""
+    """A bond with the domain of its power: "hydraulic", "translational", "rotational", or "" if not known.
+
+    `ports` has the names of the ports through which it leaves diagrams placed in others, by their paths.
+    """
 
     domain: str = ""
+    ports: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Link:
+    """A signal from one element to another; `ports` as those of a bond."""
+
+    tail: str
+    head: str
+    ports: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -64,6 +88,7 @@ class SystemBondGraph:
     elements: tuple[Element, ...]
     bonds: tuple[DomainBond, ...]
     findings: tuple[Finding, ...]
+    links: tuple[Link, ...] = ()
 
     def at(self, element: str) -> list[DomainBond]:
         """The bonds at an element."""
@@ -84,96 +109,182 @@ class SystemBondGraph:
             left = "|" if bond.effort_to == bond.tail else ""
             right = "|" if bond.effort_to == bond.head else ""
             lines.append(f"  {bond.tail} {left}->{right} {bond.head}")
+        lines += [f"  {link.tail} ~> {link.head}" for link in self.links]
         return "\n".join(lines + [f"  {finding.sort}: {finding}" for finding in self.findings])
 
 
 def bond_graph(diagram: Diagram) -> SystemBondGraph:
     """See the module."""
-    elements, bonds = _joined(net(diagram))
-    elements, bonds = _simplified(elements, bonds)
-    bonds = _with_domains(elements, bonds)
+    joined = _Joined(net(diagram))
+    joined.simplify()
+    elements, bonds = joined.elements, _with_domains(joined.elements, joined.bonds)
     causal = _Causality(elements, bonds)
     causal.assign()
     bonds = [replace(bond, effort_to=end) for bond, end in zip(bonds, causal.effort_to, strict=True)]
-    return SystemBondGraph(diagram.name, tuple(elements.values()), tuple(bonds), tuple(causal.findings))
+    links = tuple({(link.tail, link.head): link for link in joined.links}.values())
+    return SystemBondGraph(diagram.name, tuple(elements.values()), tuple(bonds), tuple(causal.findings), links)
 
 
 # ---------------------------------------------------------------- joining
-def _joined(joined: Net) -> tuple[dict[str, Element], list[DomainBond]]:
-    elements: dict[str, Element] = {}
-    bonds: list[DomainBond] = []
-    junction: dict[str, tuple[str, str]] = {}
-    for node in joined.nodes:
+def scope_of(path: str) -> str:
+    """The path of the diagram that a component stands in."""
+    return path.rpartition(".")[0]
+
+
+def _common(paths: Iterable[str]) -> str:
+    """The innermost diagram around all of these."""
+    split = [path.split(".") if path else [] for path in paths]
+    return ".".join(steps[0] for steps in itertools.takewhile(lambda s: len(set(s)) == 1, zip(*split, strict=False)))
+
+
+class _Joined:
+    """The graphs of all components, joined at the nodes of a net."""
+
+    def __init__(self, whole: Net) -> None:
+        self.elements: dict[str, Element] = {}
+        self.bonds: list[DomainBond] = []
+        self.links: list[Link] = []
+        self._at: dict[str, tuple[str, Node]] = {}
+        """The junction at each power port, by its path, and the node."""
+        for node in whole.nodes:
+            if isinstance(node.ends[0].port, PowerPort):
+                self._join(node, list(node.ends))
+                for outside in node.exposed:
+                    self._source(outside, node)
+        for path, component in whole.components.items():
+            self._place(path, component)
+        for node in whole.nodes:
+            if not isinstance(node.ends[0].port, PowerPort):
+                self._link(node, whole.components)
+
+    def _join(self, node: Node, ends: Sequence[End]) -> str:
+        """Junctions for these ends of a node, one in each diagram where several meet; the name of the outermost."""
         port = node.ends[0].port
-        if not isinstance(port, PowerPort):
-            continue
-        effort_is_common = port.across == "p"
+        assert isinstance(port, PowerPort)
+        scope = _common(scope_of(end.owner) for end in ends)
+        name = f"node {ends[0].path}" if len(ends) == len(node.ends) else f"{scope}.node {ends[0].path}"
+        self.elements[name] = Element(name, "0" if port.across == "p" else "1", "", scope)
+        depth = len(scope.split(".")) if scope else 0
+        groups: dict[str, list[End]] = {}
+        for end in ends:
+            owner = scope_of(end.owner)
+            groups.setdefault(end.owner if owner == scope else ".".join(owner.split(".")[: depth + 1]), []).append(end)
+        for inside in groups.values():
+            if len(inside) == 1 or scope_of(inside[0].owner) == scope:
+                self._at.update({end.path: (name, node) for end in inside})
+                continue
+            inner = self._join(node, inside)
+            self.bonds.append(DomainBond(name, inner, None, port.domain, node.within))
+        return name
+
+    def _source(self, outside: str, node: Node) -> None:
+        """What stands for a power port that the diagram exposes: its across variable comes from outside."""
+        port = node.ends[0].port
+        assert isinstance(port, PowerPort)
         name = f"node {node.ends[0].path}"
-        elements[name] = Element(name, "0" if effort_is_common else "1", "")
-        junction.update({end.path: (name, port.domain) for end in node.ends})
-        for outside in node.exposed:
-            elements[outside] = Element(outside, "MSe" if effort_is_common else "MSf", "")
-            bonds.append(DomainBond(outside, name, name if effort_is_common else outside, port.domain))
-    for path, component in joined.components.items():
-        own = f"{path}."
+        kind = "MSe" if port.across == "p" else "MSf"
+        self.elements[outside] = Element(outside, kind, "")
+        self.bonds.append(DomainBond(outside, name, name if kind == "MSe" else outside, port.domain, node.within))
+
+    def _place(self, path: str, component: Component) -> None:
+        """The elements and bonds of a component."""
+        own, scope = f"{path}.", scope_of(path)
         ports = {key for key, port in component.interface().items() if isinstance(port, PowerPort)}
-        if component.bond_graph is None:
-            if ports:
-                elements[path] = Element(path, WORD, path)
-            for key in ports:
-                name, domain = junction[own + key]
-                bonds.append(DomainBond(name, path, None, domain))
-            continue
-        for key, kind in component.bond_graph.elements.items():
-            elements[own + key] = Element(own + key, kind, path)
-        for bond in component.bond_graph.bonds:
-            domain = next((junction[own + end][1] for end in (bond.tail, bond.head) if end in ports), "")
-            tail, head = (junction[own + end][0] if end in ports else own + end for end in (bond.tail, bond.head))
+        graph = component.bond_graph
+        if graph is None or not graph.elements:
+            self.elements[path] = Element(path, WORD if ports else BLOCK, path, scope)
+            for key in sorted(ports):
+                junction, node = self._at[own + key]
+                self.bonds.append(DomainBond(junction, path, None, _domain(node), node.within))
+            return
+        for key, kind in graph.elements.items():
+            self.elements[own + key] = Element(own + key, kind, path, scope)
+        for bond in graph.bonds:
+            tail, head = (self._at[own + end][0] if end in ports else own + end for end in (bond.tail, bond.head))
             effort_to = None if bond.effort_to is None else tail if bond.effort_to == bond.tail else head
-            bonds.append(DomainBond(tail, head, effort_to, domain))
-    return elements, bonds
+            outside = next((self._at[own + end][1] for end in (bond.tail, bond.head) if end in ports), None)
+            domain, within = (_domain(outside), outside.within) if outside is not None else ("", {})
+            self.bonds.append(DomainBond(tail, head, effort_to, domain, within))
+        for sensed, to in graph.signals:
+            if to in graph.elements and sensed in ports:
+                junction, node = self._at[own + sensed]
+                self.links.append(Link(junction, own + to, node.within))
+            elif to in graph.elements and sensed in graph.elements:
+                self.links.append(Link(own + sensed, own + to))
+
+    def _link(self, node: Node, components: Mapping[str, Component]) -> None:
+        """The signals of a node: from what gives it, or from outside, to all that take it."""
+        sources = [
+            name for end in node.ends if isinstance(end.port, SignalOut) for name in self._signal(end, components)
+        ]
+        takers = [name for end in node.ends if isinstance(end.port, SignalIn) for name in self._signal(end, components)]
+        if not sources and node.exposed:
+            self.elements.update({name: Element(name, BLOCK, "") for name in node.exposed[:1]})
+            sources = list(node.exposed[:1])
+        elif node.exposed:
+            self.elements.update({name: Element(name, BLOCK, "") for name in node.exposed})
+            takers += node.exposed
+        self.links += [Link(tail, head, node.within) for tail in sources for head in takers]
+
+    def _signal(self, end: End, components: Mapping[str, Component]) -> Iterator[str]:
+        """The elements behind a signal port: what it modulates, or what it is sensed at."""
+        graph = components[end.owner].bond_graph
+        if graph is None or not graph.elements:
+            yield end.owner
+            return
+        for tail, head in graph.signals:
+            other = head if tail == end.key else tail if head == end.key else None
+            if other is not None:
+                path = f"{end.owner}.{other}"
+                yield self._at[path][0] if path in self._at else path
+
+    # ------------------------------------------------------------ simplifying
+    def simplify(self) -> None:
+        """Leave out junctions that only pass a bond on, and merge touching junctions of one kind in one diagram."""
+        while (change := self._next_change()) is not None:
+            gone, kept, removed = change
+            del self.elements[gone]
+
+            def named(end: str, gone: str = gone, kept: str = kept) -> str:
+                return kept if end == gone else end
+
+            self.bonds = [
+                replace(
+                    bond,
+                    tail=named(bond.tail),
+                    head=named(bond.head),
+                    effort_to=bond.effort_to and named(bond.effort_to),
+                    ports={**removed.ports, **bond.ports} if gone in (bond.tail, bond.head) else bond.ports,
+                )
+                for bond in self.bonds
+                if bond is not removed
+            ]
+            self.links = [replace(link, tail=named(link.tail), head=named(link.head)) for link in self.links]
+
+    def _next_change(self) -> tuple[str, str, DomainBond] | None:
+        """The next junction to leave out, the element that takes its place, and the bond that goes with it."""
+        at: dict[str, list[DomainBond]] = {name: [] for name in self.elements}
+        for bond in self.bonds:
+            at[bond.tail].append(bond)
+            at[bond.head].append(bond)
+        for bond in self.bonds:
+            a, b = self.elements[bond.tail], self.elements[bond.head]
+            if a.kind == b.kind and a.kind in "01" and a.name != b.name and a.scope == b.scope:
+                gone, kept = (a, b) if not a.component and b.component else (b, a)
+                return gone.name, kept.name, bond
+        for name, here in at.items():
+            if self.elements[name].kind in "01" and len(here) == 2:
+                first, second = here
+                passes = (first.head == name) != (second.head == name)
+                if passes and first is not second:
+                    other = first.tail if first.head == name else first.head
+                    return name, other, first
+        return None
 
 
-def _simplified(elements: dict[str, Element], bonds: list[DomainBond]) -> tuple[dict[str, Element], list[DomainBond]]:
-    """The same graph without junctions that only pass a bond on, and with touching junctions of one kind merged."""
-    elements = dict(elements)
-
-    def renamed(bond: DomainBond, old: str, new: str) -> DomainBond:
-        def name(end: str) -> str:
-            return new if end == old else end
-
-        return replace(
-            bond, tail=name(bond.tail), head=name(bond.head), effort_to=bond.effort_to and name(bond.effort_to)
-        )
-
-    while True:
-        change = _next_change(elements, bonds)
-        if change is None:
-            return elements, bonds
-        gone, kept, removed = change
-        del elements[gone]
-        bonds = [renamed(bond, gone, kept) for bond in bonds if bond is not removed]
-
-
-def _next_change(elements: dict[str, Element], bonds: list[DomainBond]) -> tuple[str, str, DomainBond] | None:
-    """The next junction to leave out, the element that takes its place, and the bond that goes with it."""
-    at: dict[str, list[DomainBond]] = {name: [] for name in elements}
-    for bond in bonds:
-        at[bond.tail].append(bond)
-        at[bond.head].append(bond)
-    for bond in bonds:
-        a, b = elements[bond.tail], elements[bond.head]
-        if a.kind == b.kind and a.kind in "01" and a.name != b.name:
-            gone, kept = (a, b) if not a.component and b.component else (b, a)
-            return gone.name, kept.name, bond
-    for name, here in at.items():
-        if elements[name].kind in "01" and len(here) == 2:
-            first, second = here
-            passes = (first.head == name) != (second.head == name)
-            if passes and first is not second:
-                other = first.tail if first.head == name else first.head
-                return name, other, first
-    return None
+def _domain(node: Node) -> str:
+    port = node.ends[0].port
+    return port.domain if isinstance(port, PowerPort) else ""
 
 
 def _with_domains(elements: dict[str, Element], bonds: list[DomainBond]) -> list[DomainBond]:

@@ -147,11 +147,13 @@ class Diagram:
         return bond_graph(self)
 
     def icons_svg(self) -> str:
-        """The iconic diagram as an SVG document: symbols of the components, joined by lines in domain colours."""
-        from .drawing.icons import icons_svg
-        from .net import net
+        """The iconic diagram as an SVG document: symbols of the components, joined by lines in domain colours.
 
-        return icons_svg(net(self))
+        A diagram placed in it is a box with ports, and is drawn in a frame of its own below.
+        """
+        from .drawing.icons import icons_svg
+
+        return icons_svg(self)
 
     def parameters(self) -> tuple[Variable, ...]:
         """The parameters of all components, shared ones once; `start` is the value [SI]."""

@@ -7,7 +7,9 @@ A bond graph is written as a list of elements with their kinds and a list of bon
 An end of a bond is an element or a port of the component. The half arrow `->` points where power is counted positive.
 A bar is the causal stroke that the law prefers: it stands at the end that is given the effort. `->|` gives the effort
 to the second end (an orifice that turns a pressure drop into a flow), `|->` to the first (a volume that gives its
-pressure). Without a bar, causality is left to the elements around.
+pressure). Without a bar, causality is left to the elements around. `k ~> edge` is a signal, which carries no power: it
+modulates an element (an MR, an MTF), or reports something at a port or junction, `through ~> q`. Its ends may be signal
+ports, and it senses a power port that it begins at.
 
 (D. C. Karnopp, D. L. Margolis and R. C. Rosenberg, System Dynamics, 5th ed., 2012, chapters 2 to 5.)
 """
@@ -15,7 +17,7 @@ pressure). Without a bar, causality is left to the elements around.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Final
@@ -32,6 +34,7 @@ KINDS: Final[Mapping[str, tuple[int, int | None]]] = MappingProxyType(
 """The kinds of element, with the least and the largest number of bonds at one."""
 
 _BOND = re.compile(r"^\s*(\w+)\s+(\|?)->(\|?)\s+(\w+)\s*$")
+_SIGNAL = re.compile(r"^\s*(\w+)\s+~>\s+(\w+)\s*$")
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,7 @@ class BondGraph:
 
     elements: Mapping[str, str]
     bonds: tuple[Bond, ...]
+    signals: tuple[tuple[str, str], ...]
 
     def __init__(self, elements: str = "", bonds: str = "") -> None:
         problems: list[Problem] = []
@@ -61,10 +65,16 @@ class BondGraph:
                 problems.append(Problem("bond graph", f"{name!r} is the name of two elements"))
             kinds[name] = kind
         parsed: list[Bond] = []
+        signals: list[tuple[str, str]] = []
         for text in filter(None, (part.strip() for part in bonds.split(","))):
+            if signal := _SIGNAL.match(text):
+                signals.append((signal[1], signal[2]))
+                continue
             match = _BOND.match(text)
             if match is None or (match[2] and match[3]):
-                problems.append(Problem("bond graph", f"{text!r} is not a bond", allowed="a -> b, a |-> b or a ->| b"))
+                problems.append(
+                    Problem("bond graph", f"{text!r} is not a bond", allowed="a -> b, a |-> b, a ->| b or a ~> b")
+                )
                 continue
             tail, first, second, head = match.groups()
             parsed.append(Bond(tail, head, tail if first else head if second else None))
@@ -77,9 +87,14 @@ class BondGraph:
             raise StructureError(problems)
         object.__setattr__(self, "elements", MappingProxyType(kinds))
         object.__setattr__(self, "bonds", tuple(parsed))
+        object.__setattr__(self, "signals", tuple(signals))
 
-    def misfits(self, name: str, power_ports: set[str]) -> list[Problem]:
-        """Where the graph does not fit the power ports of the component `name`: each needs one bond."""
+    def misfits(self, name: str, power_ports: set[str], signal_ports: Iterable[str] = ()) -> list[Problem]:
+        """Where the graph does not fit the ports of the component `name`.
+
+        Each power port needs one bond; a graph with elements says of each signal port, and of each modulated element,
+        what it has to do with the rest.
+        """
         problems = []
         ends = [end for bond in self.bonds for end in (bond.tail, bond.head)]
         for port in sorted(power_ports):
@@ -91,6 +106,16 @@ class BondGraph:
         for end in sorted(set(ends) - known):
             problems.append(
                 Problem(f"{name}.bond_graph", f"{end!r} is no element and no power port", hint=nearest(end, known))
+            )
+        carried = {end for signal in self.signals for end in signal}
+        for end in sorted(carried - known - set(signal_ports)):
+            problems.append(
+                Problem(f"{name}.bond_graph", f"{end!r} is no element and no port", hint=nearest(end, known))
+            )
+        modulated = {element for element, kind in self.elements.items() if kind.startswith("M")}
+        for end in sorted((modulated | (set(signal_ports) if self.elements else set())) - carried):
+            problems.append(
+                Problem(f"{name}.bond_graph", f"{end!r} has no signal", hint=f"Say {end!r} ~> or ~> {end!r}.")
             )
         return problems
 

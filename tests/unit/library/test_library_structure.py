@@ -16,10 +16,12 @@ LIBRARY = [c for c in REGISTRY if c.__module__.startswith("seacrane.library")]
 
 
 @pytest.mark.parametrize("component", LIBRARY, ids=lambda c: c.__name__)
-def test_bond_graph_has_one_bond_at_each_power_port(component: type[Component]) -> None:
+def test_bond_graph_has_one_bond_at_each_power_port_and_a_signal_at_each_signal_port(
+    component: type[Component],
+) -> None:
     power_ports = {name for name, port in component.ports.items() if isinstance(port, PowerPort)}
     assert component.bond_graph is not None
-    assert component.bond_graph.misfits(component.__name__, power_ports) == []
+    assert component.bond_graph.misfits(component.__name__, power_ports, set(component.ports) - power_ports) == []
 
 
 @pytest.mark.parametrize("component", LIBRARY, ids=lambda c: c.__name__)

@@ -35,3 +35,16 @@ def test_a_bond_graph_that_misses_a_port_is_named_with_the_nearest_name() -> Non
         "Volume.bond_graph: port 'a' has 0 bonds, needs one",
         "Volume.bond_graph: 'aa' is no element and no power port. Did you mean 'a'?",
     ]
+
+
+def test_a_modulated_element_and_a_signal_port_want_a_signal() -> None:
+    graph = BondGraph("through: 1, edge: MR", "a -> through, through -> b, through ->| edge")
+    told = [str(p) for p in graph.misfits("Orifice", {"a", "b"}, {"k"})]
+    assert told == [
+        "Orifice.bond_graph: 'edge' has no signal. Say 'edge' ~> or ~> 'edge'.",
+        "Orifice.bond_graph: 'k' has no signal. Say 'k' ~> or ~> 'k'.",
+    ]
+    mended = BondGraph("through: 1, edge: MR", "a -> through, through -> b, through ->| edge, k ~> edge")
+    assert mended.signals == (("k", "edge"),)
+    assert mended.misfits("Orifice", {"a", "b"}, {"k"}) == []
+    assert mended.misfits("Orifice", {"a", "b"}, {"x"})

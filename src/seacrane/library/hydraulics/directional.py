@@ -64,7 +64,8 @@ class DirectionalValve43(Component):
         "from_p: 0, to_a: 0, to_b: 0, to_t: 0, pa: 1, pb: 1, at: 1, bt: 1,"
         "edge_pa: MR, edge_pb: MR, edge_at: MR, edge_bt: MR",
         "p -> from_p, from_p -> pa, pa -> to_a, from_p -> pb, pb -> to_b, to_a -> at, at -> to_t, to_b -> bt,"
-        "bt -> to_t, pa ->| edge_pa, pb ->| edge_pb, at ->| edge_at, bt ->| edge_bt, to_a -> a, to_b -> b, to_t -> t",
+        "bt -> to_t, pa ->| edge_pa, pb ->| edge_pb, at ->| edge_at, bt ->| edge_bt, to_a -> a, to_b -> b, to_t -> t,"
+        "x ~> edge_pa, x ~> edge_pb, x ~> edge_at, x ~> edge_bt",
     )
     icon = symbols.DIRECTIONAL_VALVE_43
     sources = (f"{MERRITT}, chapter 5", DISSERTATION)
@@ -213,7 +214,7 @@ class DirectionalValve22(_Switched):
         "p": Hydraulic("inlet"),
         "a": Hydraulic("outlet"),
     }
-    bond_graph = BondGraph("through: 1, edge: MR", "p -> through, through -> a, through ->| edge")
+    bond_graph = BondGraph("through: 1, edge: MR", "p -> through, through -> a, through ->| edge, on ~> edge")
     icon = symbols.DIRECTIONAL_VALVE_22
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
@@ -242,7 +243,7 @@ class FourPortDirectionalValve22(_Switched):
     }
     bond_graph = BondGraph(
         "pa: 1, bt: 1, edge_pa: MR, edge_bt: MR",
-        "p -> pa, pa -> a, pa ->| edge_pa, b -> bt, bt -> t, bt ->| edge_bt",
+        "p -> pa, pa -> a, pa ->| edge_pa, b -> bt, bt -> t, bt ->| edge_bt, on ~> edge_pa, on ~> edge_bt",
     )
     icon = symbols.FOUR_PORT_DIRECTIONAL_VALVE_22
 

@@ -47,7 +47,7 @@ class PressureCompensator(Component):
     }
     bond_graph = BondGraph(
         "through: 1, edge: MR, sensing_s: Sf, sensing_ls: Sf",
-        "a -> through, through -> b, through ->| edge, s ->| sensing_s, ls ->| sensing_ls",
+        "a -> through, through -> b, through ->| edge, s ->| sensing_s, ls ->| sensing_ls, s ~> edge, ls ~> edge",
     )
     icon = symbols.PRESSURE_COMPENSATOR
     sources = (DISSERTATION,)
@@ -149,7 +149,8 @@ class ShuttleValve(Component):
     ports = {"a": Hydraulic("inlet"), "b": Hydraulic("other inlet"), "c": Hydraulic("outlet")}
     bond_graph = BondGraph(
         "from_a: 1, from_b: 1, seat_a: MR, seat_b: MR, out: 0",
-        "a -> from_a, from_a ->| seat_a, from_a -> out, b -> from_b, from_b ->| seat_b, from_b -> out, out -> c",
+        "a -> from_a, from_a ->| seat_a, from_a -> out, b -> from_b, from_b ->| seat_b, from_b -> out, out -> c,"
+        "a ~> seat_b, b ~> seat_a",
     )
     icon = symbols.SHUTTLE_VALVE
     sources = (WATTON,)

@@ -21,7 +21,7 @@ _FIXED = BondGraph(
 _VARIABLE = BondGraph(
     "through: 1, drop: 0, leakage: R, displacement: MTF, speed: 1, friction: R",
     "a -> through, through -> b, through -> drop, drop ->| leakage, drop -> displacement, displacement -> speed,"
-    "speed |-> friction, speed -> shaft",
+    "speed |-> friction, speed -> shaft, r ~> displacement",
 )
 
 

@@ -50,7 +50,7 @@ class VariableOrifice(Component):
     density: Density = density()
     transition_pressure: Pressure = transition_pressure()
     ports = {"k": SignalIn("1", "opening", minimum=0, maximum=1), "a": Hydraulic("inlet"), "b": Hydraulic("outlet")}
-    bond_graph = BondGraph("through: 1, edge: MR", "a -> through, through -> b, through ->| edge")
+    bond_graph = BondGraph("through: 1, edge: MR", "a -> through, through -> b, through ->| edge, k ~> edge")
     icon = symbols.VARIABLE_ORIFICE
     sources = _SOURCES
 

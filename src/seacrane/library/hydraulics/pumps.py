@@ -87,7 +87,7 @@ class PressureControlledPump(Pump, level="pressure-controlled"):
     speed: AngularSpeed = parameter("shaft speed", least=0, most=1e3)
     pressure: Pressure = parameter("pressure (gauge) at which the flow has gone", above=0, most=1e8)
     full_stroke: Pressure = parameter("how far below it the stroke is full", default=10 * bar, above=0, most=1e8)
-    bond_graph = BondGraph("supply: R", "p |-> supply")
+    bond_graph = BondGraph("supply: MSf", "supply |-> p, p ~> supply")
     icon = symbols.PUMP_PRESSURE_CONTROLLED
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
@@ -107,7 +107,7 @@ class VariableFlowPump(Pump, level="variable-flow"):
     speed: AngularSpeed = parameter("shaft speed", least=0, most=1e3)
     least_stroke: Ratio = parameter("least stroke, of full", default=0.0, least=-1, most=0)
     ports = {"gain": SignalIn("1", "stroke, of full", minimum=-1, maximum=1), "p": Hydraulic("outlet")}
-    bond_graph = BondGraph("supply: MSf", "supply |-> p")
+    bond_graph = BondGraph("supply: MSf", "supply |-> p, gain ~> supply")
     icon = symbols.PUMP_VARIABLE
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
@@ -136,7 +136,7 @@ class LoadSensingPump(Component):
         "how far below its reference the stroke is full", default=5 * bar, above=0, most=1e8
     )
     ports = {"p": Hydraulic("outlet"), "ls": Hydraulic("pressure of the load")}
-    bond_graph = BondGraph("supply: R, sensing: Sf", "p |-> supply, ls ->| sensing")
+    bond_graph = BondGraph("supply: MSf, sensing: Sf", "supply |-> p, ls ->| sensing, p ~> supply, ls ~> supply")
     icon = symbols.PUMP_LOAD_SENSING
     sources = (WATTON,)
 
@@ -196,7 +196,7 @@ class ShaftPump(Component):
     bond_graph = BondGraph(
         "speed: 1, friction: R, displacement: MTF, drop: 0, leakage: R, through: 1",
         "shaft -> speed, speed |-> friction, speed -> displacement, displacement -> drop, drop ->| leakage,"
-        "drop -> through, s -> through, through -> p",
+        "drop -> through, s -> through, through -> p, p ~> displacement, s ~> displacement, shaft ~> displacement",
     )
     icon = symbols.PUMP_SHAFT
     sources = (f"{MERRITT}, chapter 4",)

@@ -43,7 +43,7 @@ class PressureInput(Component):
     """A pressure given by a signal; `q` reports the flow delivered into the circuit."""
 
     ports = {"set": SignalIn("Pa", "pressure"), "p": Hydraulic("outlet"), "q": SignalOut("m3/s", "flow delivered")}
-    bond_graph = BondGraph("source: MSe", "source ->| p")
+    bond_graph = BondGraph("source: MSe", "source ->| p, set ~> source, p ~> q")
     partner = PowerBond("partner", "set", "q")
     icon = symbols.PRESSURE_SOURCE
     sources = _BOUNDARY
@@ -58,7 +58,7 @@ class FlowInput(Component):
     """A flow given by a signal, positive into the circuit; `p` of the port is what the circuit makes of it."""
 
     ports = {"set": SignalIn("m3/s", "flow into the circuit"), "p": Hydraulic("outlet")}
-    bond_graph = BondGraph("source: MSf", "source |-> p")
+    bond_graph = BondGraph("source: MSf", "source |-> p, set ~> source")
     icon = symbols.FLOW_SOURCE
     sources = _BOUNDARY
 

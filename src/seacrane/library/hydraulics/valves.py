@@ -45,7 +45,8 @@ class CounterbalanceValve(Component):
     transition_pressure: Pressure = transition_pressure()
     ports = {"a": Hydraulic("valve side"), "b": Hydraulic("load side"), "pilot": Hydraulic("pilot pressure")}
     bond_graph = BondGraph(
-        "through: 1, seat: MR, pilot_piston: Sf", "a -> through, through -> b, through ->| seat, pilot ->| pilot_piston"
+        "through: 1, seat: MR, pilot_piston: Sf",
+        "a -> through, through -> b, through ->| seat, pilot ->| pilot_piston, pilot ~> seat, b ~> seat",
     )
     icon = symbols.COUNTERBALANCE_VALVE
     sources = (DISSERTATION,)
@@ -156,7 +157,7 @@ class PressureReducingValve(Component):
     at: Pressure = parameter("rated pressure drop", above=0, most=1e8)
     transition_pressure: Pressure = transition_pressure()
     ports = {"a": Hydraulic("inlet"), "b": Hydraulic("reduced pressure")}
-    bond_graph = BondGraph("through: 1, seat: MR", "a -> through, through -> b, through ->| seat")
+    bond_graph = BondGraph("through: 1, seat: MR", "a -> through, through -> b, through ->| seat, b ~> seat")
     icon = symbols.PRESSURE_REDUCING_VALVE
     sources = (WATTON,)
 
@@ -238,7 +239,8 @@ class PilotOperatedCheckValve(Component):
     transition_pressure: Pressure = transition_pressure()
     ports = {"a": Hydraulic("inlet"), "b": Hydraulic("load"), "pilot": Hydraulic("pilot pressure")}
     bond_graph = BondGraph(
-        "through: 1, seat: MR, pilot_piston: Sf", "a -> through, through -> b, through ->| seat, pilot ->| pilot_piston"
+        "through: 1, seat: MR, pilot_piston: Sf",
+        "a -> through, through -> b, through ->| seat, pilot ->| pilot_piston, pilot ~> seat, a ~> seat",
     )
     icon = symbols.PILOT_OPERATED_CHECK_VALVE
     sources = (WATTON,)

@@ -47,7 +47,9 @@ class MotionInput(Component):
         "F": SignalOut("N", "force on the partner, positive along v"),
         "work": SignalOut("J", "work done on the partner"),
     }
-    bond_graph = BondGraph("partner: MSf", "partner |-> flange")
+    bond_graph = BondGraph(
+        "partner: MSf", "partner |-> flange, v ~> partner, x ~> partner, flange ~> F, flange ~> work"
+    )
     partner = PowerBond("partner", "v", "F", inward=False)
     icon = symbols.MOTION_INPUT
     sources = _SOURCES
@@ -75,7 +77,7 @@ class SpeedInput(Component):
         "T": SignalOut("N.m", "torque on the partner, positive along w"),
         "work": SignalOut("J", "work done on the partner"),
     }
-    bond_graph = BondGraph("partner: MSf", "partner |-> flange")
+    bond_graph = BondGraph("partner: MSf", "partner |-> flange, w ~> partner, flange ~> T, flange ~> work")
     partner = PowerBond("partner", "w", "T", inward=False)
     icon = symbols.SPEED_INPUT
     sources = _SOURCES
@@ -103,7 +105,7 @@ class ForceInput(Component):
         "x": SignalOut("m", "position there"),
         "work": SignalOut("J", "work done on the partner"),
     }
-    bond_graph = BondGraph("partner: MSe", "partner ->| flange")
+    bond_graph = BondGraph("partner: MSe", "partner ->| flange, F ~> partner, flange ~> v, flange ~> x, flange ~> work")
     partner = PowerBond("partner", "v", "F")
     icon = symbols.FORCE_INPUT
     sources = _SOURCES
@@ -129,7 +131,7 @@ class TorqueInput(Component):
         "w": SignalOut("rad/s", "speed there"),
         "work": SignalOut("J", "work done on the partner"),
     }
-    bond_graph = BondGraph("partner: MSe", "partner ->| flange")
+    bond_graph = BondGraph("partner: MSe", "partner ->| flange, T ~> partner, flange ~> w, flange ~> work")
     partner = PowerBond("partner", "w", "T")
     icon = symbols.TORQUE_INPUT
     sources = _SOURCES

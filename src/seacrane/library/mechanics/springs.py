@@ -180,7 +180,7 @@ class RopeSpring(Component):
     ports = {"a": Translational("one end"), "b": Translational("other end")}
     bond_graph = BondGraph(
         "between: 0, parting: 1, spring: C, damper: MR",
-        "a -> between, between -> b, between -> parting, parting |-> spring, parting |-> damper",
+        "a -> between, between -> b, between -> parting, parting |-> spring, parting |-> damper, spring ~> damper",
     )
     icon = symbols.ROPE_SPRING
     sources = (DISSERTATION,)
@@ -213,7 +213,7 @@ class EndStop(Component):
     ports = {"a": Translational("part that comes"), "b": Translational("part that is met")}
     bond_graph = BondGraph(
         "between: 0, closing: 1, spring: C, damper: MR",
-        "a -> between, between -> b, between -> closing, closing |-> spring, closing |-> damper",
+        "a -> between, between -> b, between -> closing, closing |-> spring, closing |-> damper, spring ~> damper",
     )
     icon = symbols.END_STOP
     sources = (DISSERTATION,)

@@ -73,7 +73,7 @@ class LayeredWinchDrum(WinchDrum, level="layers"):
     width: Length = parameter("width of the drum between flanges", above=0, most=50)
     packing: Ratio = parameter("packing factor", default=1.0, above=0.5, most=1.5)
     wound: Length = initial("length of rope on the drum at the start", least=0, most=5e4)
-    bond_graph = BondGraph("drum: MTF", "shaft -> drum, drum -> rope")
+    bond_graph = BondGraph("drum: MTF", "shaft -> drum, drum -> rope, rope ~> drum")
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         length = m.state("wound", unit="m", start=self.wound, nominal=100.0, about="length of rope on the drum")

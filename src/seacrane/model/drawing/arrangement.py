@@ -11,6 +11,7 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -21,6 +22,8 @@ from .placement import connected, packed, sketch
 GRID: Final = 10.0
 CLEARANCE: Final = 20.0
 """Least distance between symbols [px]: room for a line."""
+WIDEST_GAP: Final = 70.0
+"""An empty band across the whole drawing is made this narrow [px]."""
 MOVES_PER_SYMBOL: Final = 1500
 
 Box = tuple[float, float, float, float]
@@ -38,7 +41,7 @@ class Item:
     extras: tuple[Box, ...] = ()
     room: tuple[Box, ...] = ()
 
-    @property
+    @cached_property
     def reach(self) -> Box:
         boxes = [(0.0, 0.0, self.width, self.height), *self.extras, *self.room]
         return (
@@ -113,7 +116,22 @@ def _arranged(items: Mapping[str, Item], wires: Sequence[Wire], pairs: Sequence[
     at: dict[str, Point] = {name: (x * pitch, y * pitch) for name, (x, y) in sketch(list(items), pairs).items()}
     if len(items) > 1:
         _anneal(at, items, wires)
-    return at
+    return _squeezed(at, items)
+
+
+def _squeezed(at: Mapping[str, Point], items: Mapping[str, Item]) -> dict[str, Point]:
+    """The same arrangement with wide empty bands across the whole made narrow."""
+    boxes = {name: items[name].box_at(point) for name, point in at.items()}
+    moved = {}
+    for axis in (0, 1):
+        reached, shift = -math.inf, 0.0
+        for name in sorted(boxes, key=lambda n: boxes[n][axis]):
+            gap = boxes[name][axis] - reached
+            if math.isfinite(gap) and gap > WIDEST_GAP:
+                shift += _on_grid(gap - WIDEST_GAP)
+            reached = max(reached, boxes[name][axis + 2])
+            moved[name, axis] = at[name][axis] - shift
+    return {name: (moved[name, 0], moved[name, 1]) for name in at}
 
 
 def _frame(at: Mapping[str, Point], items: Mapping[str, Item]) -> Box:

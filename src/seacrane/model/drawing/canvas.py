@@ -65,6 +65,30 @@ class Canvas:
             f' fill="{colour}" stroke="#fff" stroke-width="3" paint-order="stroke"{weight}>{escape(words)}</text>'
         )
 
+    def box(self, at: Point, size: Point, colour: str, *, rounded: float = 0, width: float = 1.2) -> None:
+        """A rectangle by its corner at the top left."""
+        self._reach(at, (at[0] + size[0], at[1] + size[1]))
+        self._parts.append(
+            f'<rect x="{number(at[0])}" y="{number(at[1])}" width="{number(size[0])}" height="{number(size[1])}"'
+            f' rx="{number(rounded)}" fill="#fff" stroke="{colour}" stroke-width="{number(width)}"/>'
+        )
+
+    @property
+    def frame(self) -> tuple[float, float, float, float]:
+        """Left, top, right and bottom of all that is drawn."""
+        xs, ys = self._xs or [0.0], self._ys or [0.0]
+        return min(xs), min(ys), max(xs), max(ys)
+
+    def place(self, other: Canvas, at: Point) -> None:
+        """Another drawing, with the top left of its frame at a point."""
+        left, top, right, bottom = other.frame
+        self._reach(at, (at[0] + right - left, at[1] + bottom - top))
+        self._parts += [
+            f'<g transform="translate({number(at[0] - left)},{number(at[1] - top)})">',
+            *other._parts,
+            "</g>",
+        ]
+
     def group(self, at: Point, size: Point, svg: str, colour: str = INK) -> None:
         """Foreign SVG, drawn with its origin at a point."""
         self._reach(at, (at[0] + size[0], at[1] + size[1]))
@@ -75,9 +99,8 @@ class Canvas:
 
     def document(self, title: str, margin: float = 18) -> str:
         """The whole drawing, on white."""
-        xs, ys = self._xs or [0.0], self._ys or [0.0]
-        left, top = min(xs) - margin, min(ys) - margin
-        width, height = max(xs) - left + margin, max(ys) - top + margin
+        left, top, right, bottom = self.frame
+        left, top, width, height = left - margin, top - margin, right - left + 2 * margin, bottom - top + 2 * margin
         box = " ".join(number(v) for v in (left, top, width, height))
         lines = "\n".join(self._parts)
         return (
@@ -86,3 +109,29 @@ class Canvas:
             f'<rect x="{number(left)}" y="{number(top)}" width="{number(width)}" height="{number(height)}"'
             f' fill="#fff"/>\n{lines}\n</svg>\n'
         )
+
+
+def stacked(frames: Sequence[tuple[str, Canvas]], remarks: Sequence[str] = ()) -> Canvas:
+    """Drawings below one another, each but one without a title in a frame, and remarks at the foot."""
+    if len(frames) == 1 and not remarks:
+        return frames[0][1]
+    whole, inset = Canvas(), 16.0
+    y = 0.0
+    for title, canvas in frames:
+        left, top, right, bottom = canvas.frame
+        width, height = right - left, bottom - top
+        if title:
+            words = min(len(title), 150)
+            whole.box(
+                (0, y), (max(width, 6.5 * words) + 2 * inset, height + 2 * inset + 14), FAINT, rounded=6, width=0.8
+            )
+            whole.text((inset, y + 17), title, size=12, colour=INK, anchor="start", bold=True)
+            whole.place(canvas, (inset, y + inset + 14))
+            y += height + 2 * inset + 14 + 24
+        else:
+            whole.place(canvas, (inset, y))
+            y += height + 24
+    for remark in remarks:
+        whole.text((0, y + 4), remark, colour=ALARM, anchor="start")
+        y += 16
+    return whole

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from html import escape
 from typing import Final
 
-from seacrane.model.component import Component
-from seacrane.model.net import End, Net, Node
-from seacrane.model.ports import PowerPort, SignalIn
+from seacrane.model.diagram import Diagram
+from seacrane.model.net import End, Net, Node, net
+from seacrane.model.ports import Port, PowerPort, SignalIn
 from seacrane.model.structure import Symbol
 
 from .arrangement import Item, Wire, arrange
-from .canvas import COLOURS, INK, Canvas, Point
+from .canvas import COLOURS, FAINT, INK, Canvas, Point, stacked
 from .routing import Router
 
 STUB: Final = 20.0
@@ -23,18 +24,50 @@ Step = tuple[int, int]
 
 @dataclass(frozen=True)
 class Placed:
-    """A component with its symbol, and where its ports are on it: the point and the direction that leads away."""
+    """A symbol, and where the ports are on it: the point and the direction that leads away; `named` if they show."""
 
     symbol: Symbol
     ports: dict[str, tuple[Point, Step]]
+    named: bool = False
 
 
-def icons_svg(net: Net) -> str:
-    """See the module."""
-    placed = {path: _ports_on(component, _symbol(component)) for path, component in net.components.items()}
+def icons_svg(diagram: Diagram) -> str:
+    """See the module. Diagrams placed in it stay boxes; each that looks different is drawn in a frame below."""
+    frames: dict[object, tuple[list[str], Canvas]] = {}
+
+    def add(path: str, inner: Diagram) -> None:
+        whole = net(inner, open_up=False)
+        likeness = _likeness(whole)
+        if likeness in frames:
+            frames[likeness][0].append(path)
+        else:
+            frames[likeness] = ([path], _drawn(whole))
+        for name, placed in whole.diagrams.items():
+            add(f"{path}.{name}" if path else name, placed)
+
+    add("", diagram)
+    sheets = [(", ".join(paths), canvas) for paths, canvas in frames.values()]
+    return stacked(sheets).document(f"Diagram of {diagram.name}")
+
+
+def _likeness(whole: Net) -> object:
+    """What a sheet has in common with those that look like it."""
+    kinds = tuple((path, type(component), tuple(component.interface())) for path, component in whole.components.items())
+    boxes = tuple((path, tuple(inner.interface())) for path, inner in whole.diagrams.items())
+    return kinds, boxes, tuple((tuple(end.path for end in node.ends), node.exposed) for node in whole.nodes)
+
+
+def _drawn(whole: Net) -> Canvas:
+    placed: dict[str, Placed] = {}
+    for path, component in whole.components.items():
+        symbol = component.icon or _box_of(type(component).__name__, component.interface())
+        placed[path] = _ports_on(component.interface(), symbol)
+    for path, inner in whole.diagrams.items():
+        margin = 4.5 * max(map(len, inner.interface())) + 6
+        placed[path] = _ports_on(inner.interface(), _box_of(inner.name, inner.interface(), margin), named=True)
     repeated = {path for path, p in placed.items() if p.symbol.repeated}
-    attached = [*_attached(net, repeated)]
-    wires = [*_wires(net, placed, repeated)]
+    attached = [*_attached(whole, repeated)]
+    wires = [*_wires(whole, placed, repeated)]
     items = {path: _item(path, p, [a for a in attached if a.end.owner == path]) for path, p in placed.items()}
     items = {path: item for path, item in items.items() if path not in repeated}
     at = arrange(items, wires)
@@ -55,28 +88,35 @@ def icons_svg(net: Net) -> str:
         canvas.group(at[path], (item.width, item.height), placed[path].symbol.svg)
         x, y, anchor = _label_place(placed[path])
         canvas.text((at[path][0] + x, at[path][1] + y), path, size=10, colour=INK, anchor=anchor)
-    return canvas.document(f"Diagram of {net.name}")
+        if placed[path].named:
+            _draw_port_names(canvas, placed[path], at[path])
+    return canvas
+
+
+def _draw_port_names(canvas: Canvas, placed: Placed, at: Point) -> None:
+    """The names of the ports of a box, inside its rim."""
+    for key, ((x, y), (dx, _)) in placed.ports.items():
+        anchor = "start" if dx < 0 else "end"
+        canvas.text((at[0] + x - 4 * dx, at[1] + y + 3), key, size=8, colour=FAINT, anchor=anchor)
 
 
 # ---------------------------------------------------------------- symbols and ports
-def _symbol(component: Component) -> Symbol:
-    if component.icon is not None:
-        return component.icon
-    name = type(component).__name__
-    width = 20.0 * max(3, round(len(name) * 6.5 / 20 + 0.5))
-    height = 20.0 + 20.0 * max(1, (len(component.interface()) + 1) // 2)
+def _box_of(name: str, interface: Mapping[str, Port], margin: float = 0.0) -> Symbol:
+    """A box with a name, for what has no icon; `margin` is room for the names of ports at both sides."""
+    width = 20.0 * max(3, round((len(name) * 6.5 + 2 * margin) / 20 + 0.5))
+    height = 20.0 + 20.0 * max(1, (len(interface) + 1) // 2)
     svg = (
         f'<rect x="0" y="0" width="{width:g}" height="{height:g}"/>'
         f'<text x="{width / 2:g}" y="{height / 2 + 4:g}" font-size="10" text-anchor="middle" fill="currentColor"'
-        f' stroke="none">{name}</text>'
+        f' stroke="none">{escape(name)}</text>'
     )
     return Symbol(width, height, svg)
 
 
-def _ports_on(component: Component, symbol: Symbol) -> Placed:
+def _ports_on(interface: Mapping[str, Port], symbol: Symbol, *, named: bool = False) -> Placed:
     ports: dict[str, tuple[Point, Step]] = {}
     rest: dict[str, list[str]] = {"left": [], "right": []}
-    for key, port in component.interface().items():
+    for key, port in interface.items():
         if key in symbol.ports:
             point = symbol.ports[key]
             ports[key] = (point, _outwards(point, symbol))
@@ -86,12 +126,12 @@ def _ports_on(component: Component, symbol: Symbol) -> Placed:
             rest["left" if isinstance(port, SignalIn) else "right"].append(key)
     for side, keys in rest.items():
         x = 0.0 if side == "left" else symbol.width
-        named = {point for point, _ in ports.values()}
-        free = [10.0 * i for i in range(1, int(symbol.height // 10)) if (x, 10.0 * i) not in named] or [10.0]
+        taken = {point for point, _ in ports.values()}
+        free = [10.0 * i for i in range(1, int(symbol.height // 10)) if (x, 10.0 * i) not in taken] or [10.0]
         for i, key in enumerate(keys):
             y = free[min(len(free) - 1, (2 * i + 1) * len(free) // (2 * len(keys)))]
             ports[key] = ((x, y), (-1 if side == "left" else 1, 0))
-    return Placed(symbol, ports)
+    return Placed(symbol, ports, named)
 
 
 def _outwards(point: Point, symbol: Symbol) -> Step:
@@ -124,8 +164,8 @@ class Attached:
     tank: str = ""
 
 
-def _attached(net: Net, repeated: set[str]) -> Iterator[Attached]:
-    for node in net.nodes:
+def _attached(whole: Net, repeated: set[str]) -> Iterator[Attached]:
+    for node in whole.nodes:
         ends = [end for end in node.ends if end.owner not in repeated]
         tank = next((end.owner for end in node.ends if end.owner in repeated), None)
         if tank is not None:
@@ -154,11 +194,11 @@ def _item(path: str, placed: Placed, attached: list[Attached]) -> Item:
             boxes.append((cx - 14, cy, cx + 14, cy + 22))
         else:
             far = STUB + 6.2 * max(len(name) for name in a.names)
-            boxes.append(
-                (min(px, px + far * dx), py - 4, max(px, px + far * dx), py + 4)
-                if dx
-                else (px - 10, min(py, py + 30 * dy), px + far, max(py, py + 30 * dy))
-            )
+            if dx:
+                boxes.append((min(px, px + far * dx), py - 4, max(px, px + far * dx), py + 4))
+            else:
+                sides = sorted((px - 10 * _aside(placed, a.end.key), px + far * _aside(placed, a.end.key)))
+                boxes.append((sides[0], min(py, py + 30 * dy), sides[1], max(py, py + 30 * dy)))
     return Item(width, height, tuple(boxes), tuple(room))
 
 
@@ -194,7 +234,15 @@ def _draw_attached(canvas: Canvas, a: Attached, placed: dict[str, Placed], at: d
                 (tip[0] + 5 * dx, y + 4 + 11 * i), name, size=10, colour=colour, anchor="start" if dx > 0 else "end"
             )
         else:
-            canvas.text((tip[0] + 5, tip[1] + 4 + 11 * i), name, size=10, colour=colour, anchor="start")
+            side = _aside(placed[a.end.owner], a.end.key)
+            anchor = "start" if side > 0 else "end"
+            canvas.text((tip[0] + 5 * side, tip[1] + 4 + 11 * i), name, size=10, colour=colour, anchor=anchor)
+
+
+def _aside(placed: Placed, key: str) -> int:
+    """The side of a line up or down on which its name goes: right (1), or left (-1) if a port beside it is there."""
+    (x, _), step = placed.ports[key]
+    return -1 if any(s == step and x < px <= x + 60 for (px, _), s in placed.ports.values()) else 1
 
 
 def _arrow_head(canvas: Canvas, tail: Point, head: Point, colour: str) -> None:
@@ -213,8 +261,8 @@ def _arrow_head(canvas: Canvas, tail: Point, head: Point, colour: str) -> None:
 
 
 # ---------------------------------------------------------------- lines
-def _wires(net: Net, placed: dict[str, Placed], repeated: set[str]) -> Iterator[Wire]:
-    for node in net.nodes:
+def _wires(whole: Net, placed: dict[str, Placed], repeated: set[str]) -> Iterator[Wire]:
+    for node in whole.nodes:
         if any(end.owner in repeated for end in node.ends) or len(node.ends) < 2:
             continue
         ends = tuple((end.owner, *placed[end.owner].ports[end.key]) for end in node.ends)

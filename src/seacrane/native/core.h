@@ -78,6 +78,7 @@ struct instance {
     char message[768]; /* why the last call failed */
 };
 
+INSIDE_BEGIN
 /* instance.c */
 struct instance *instance_new(const char *name, int exchange);
 void instance_free(struct instance *m);
@@ -113,5 +114,6 @@ const struct variable *find_variable(uint32_t reference);
 int get_values(struct instance *m, const uint32_t *reference, size_t count, double *value);
 int set_values(struct instance *m, const uint32_t *reference, size_t count, const double *value);
 int set_slopes(struct instance *m, const uint32_t *reference, size_t count, const double *value);
+INSIDE_END
 
 #endif

@@ -17,6 +17,7 @@ enum outcome { DONE = 0, DISCARDED = 2, FAILED = 3 };
 #define EXCHANGING (WHEN(EVENT) | WHEN(CONTINUOUS))
 #define KNOWN (WHEN(INITIALIZING) | WHEN(STEPPING) | EXCHANGING) /* when results can be had */
 
+INSIDE_BEGIN
 int misplaced(struct instance *m, const char *function, unsigned phases);
 const char *refusal(const char *name, const char *identity);
 
@@ -43,5 +44,6 @@ int set_states(struct instance *m, const char *function, const double *x, size_t
 int get_states(struct instance *m, const char *function, double *x, size_t count);
 int get_nominals(struct instance *m, double *nominal, size_t count);
 int get_derivatives(struct instance *m, const char *function, double *derivative, size_t count);
+INSIDE_END
 
 #endif

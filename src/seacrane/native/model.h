@@ -12,6 +12,16 @@
 
 #include "model_size.h" /* MODEL_GUID, NX, NZ, NU, NP, NY, NW, NNZ, NNZ_ALG, WORK_... */
 
+/* However the sources are compiled, what they share stays inside: names such as `step` are in the C library too, and on
+   Linux would be taken from there. */
+#if defined __GNUC__ && !defined _WIN32
+#define INSIDE_BEGIN _Pragma("GCC visibility push(hidden)")
+#define INSIDE_END _Pragma("GCC visibility pop")
+#else
+#define INSIDE_BEGIN
+#define INSIDE_END
+#endif
+
 #define N (NX + NZ)
 #define ROOM(n) ((n) > 0 ? (n) : 1) /* C has no arrays of length zero */
 
@@ -25,6 +35,7 @@ struct variable {
     const char *name, *unit;
 };
 
+INSIDE_BEGIN
 extern const struct variable model_variables[NVARIABLES];
 extern const double model_start_y[ROOM(N)], model_nominal_y[ROOM(N)];
 extern const double model_start_u[ROOM(NU)];
@@ -43,5 +54,6 @@ model_function model_input_rate;  /* t y u p du/dt    -> df/du du/dt */
 model_function model_output;      /* t y u p          -> outputs */
 model_function model_observe;     /* t y u p          -> observables */
 model_function model_directional; /* t y u p dt dy du dp -> df, d outputs */
+INSIDE_END
 
 #endif

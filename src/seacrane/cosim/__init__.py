@@ -38,6 +38,7 @@ from seacrane.cosim.recorded import RecordedSlave
 from seacrane.cosim.saved import State
 from seacrane.cosim.scenario import Event, Scenario
 from seacrane.cosim.slave import Instance, Interface, NativeCalls, Slave
+from seacrane.cosim.ssp import read_ssp, write_ssp
 from seacrane.cosim.structure import Bond, Connection, Connector, Experiment, Transformation
 from seacrane.cosim.system import System
 from seacrane.cosim.triggers import Above, Below, Condition
@@ -96,4 +97,6 @@ __all__ = [
     "Usage",
     "load",
     "read_osp",
+    "read_ssp",
+    "write_ssp",
 ]

@@ -7,15 +7,16 @@ from pathlib import Path
 from typing import Final
 
 from seacrane.cosim.osp import read_osp
+from seacrane.cosim.ssp import read_ssp
 from seacrane.cosim.system import System
 from seacrane.errors import CosimError
 
-READERS: Final[dict[str, Callable[[Path], System]]] = {".xml": read_osp}
+READERS: Final[dict[str, Callable[[Path], System]]] = {".ssp": read_ssp, ".ssd": read_ssp, ".xml": read_osp}
 """The reader of a file by its suffix."""
 
 
 def load(path: str | Path) -> System:
-    """The system in a file: OspSystemStructure.xml or a folder with one.
+    """The system in an SSP archive, a system structure description (.ssd), or OspSystemStructure.xml or its folder.
 
     Raises `CosimError` with all that is wrong with it.
     """

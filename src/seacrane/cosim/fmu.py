@@ -13,6 +13,7 @@ from seacrane import fmi
 from seacrane.cosim.compiled import CompiledInstance, started
 from seacrane.cosim.slave import Instance, Interface, NativeCalls, Slave, check_values
 from seacrane.errors import ParameterError, Problem, nearest
+from seacrane.fmi.description import REALS
 from seacrane.fmi.symbols import known_units, unit_symbol
 from seacrane.model.dae import Variable
 from seacrane.units import UNITS
@@ -51,10 +52,13 @@ class FmuSlave(Slave):
         self.tolerance = tolerance
         self.description = fmi.read(self.path)
         self.parameters = dict(parameters or {})
+        self.folder: object | None = None
+        """What must live as long as the file is needed: the private folder of the archive that it came in."""
         self._loaded: fmi.Fmu | None = None
         self._open = 0
         groups: dict[str, list[Variable]] = {"input": [], "output": [], "parameter": [], "local": [], "start": []}
-        left_out = {}
+        left_out: dict[str, str] = {}
+        kinds: dict[str, str] = {}
         self._plain = True
         units = known_units(self.description)
         for v in self.description.variables:
@@ -70,13 +74,15 @@ class FmuSlave(Slave):
             group = "local" if v.causality == "calculatedParameter" else v.causality
             signals = _signals(v, symbol)
             groups[group] += signals
+            kinds |= dict.fromkeys((s.name for s in signals), kind_of(v))
             if group in ("local", "output") and v.initial in ("exact", "approx") and v.variability != "constant":
                 groups["start"] += signals
             if group != "parameter":
                 self._plain = self._plain and _is_plain(v)
         self.left_out = tuple(left_out)
         numbers, self._others = self._sorted_parameters()
-        check_values(numbers, (*groups["parameter"], *groups["input"], *groups["start"]), self.path.name)
+        self.settable = (*groups["parameter"], *groups["input"], *groups["start"])
+        check_values(numbers, self.settable, self.path.name)
         self._numbers = numbers
         self._interface = Interface(
             inputs=started(groups["input"], numbers),
@@ -84,6 +90,7 @@ class FmuSlave(Slave):
             parameters=started(groups["parameter"], numbers),
             watchable=started(groups["local"], numbers),
             left_out=left_out,
+            kinds=kinds,
         )
 
     def _sorted_parameters(self) -> tuple[dict[str, float], dict[str, str | bytes]]:
@@ -242,6 +249,13 @@ def _why_not(v: fmi.Variable, symbol: str | None) -> str:
     if v.count > MOST_ELEMENTS:
         return f"it is an array of {v.count} elements, more than {MOST_ELEMENTS}"
     return "" if symbol is not None else f"its unit {v.unit!r} is unknown here"
+
+
+def kind_of(v: fmi.Variable) -> str:
+    """What a variable holds, whatever its width: Real, Integer (the item of an enumeration too), or its other type."""
+    if v.type in ("Boolean", "String", "Binary", "Clock"):
+        return v.type
+    return "Real" if v.type in REALS else "Integer"
 
 
 def _is_plain(v: fmi.Variable) -> bool:

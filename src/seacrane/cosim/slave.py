@@ -39,7 +39,8 @@ Callback = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_double, ctyp
 class Interface:
     """The variables of a slave by causality; `watchable` are internal ones that can only be read.
 
-    `left_out` says of further variables, by name, why they cannot be exchanged.
+    `left_out` says of further variables, by name, why they cannot be exchanged. `kinds` says of variables of which the
+    type is fixed what they hold: Real, Integer or Boolean.
     """
 
     inputs: tuple[Variable, ...] = ()
@@ -47,6 +48,7 @@ class Interface:
     parameters: tuple[Variable, ...] = ()
     watchable: tuple[Variable, ...] = ()
     left_out: Mapping[str, str] = field(default_factory=dict)
+    kinds: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def names(self) -> dict[str, Variable]:

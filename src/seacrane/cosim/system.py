@@ -27,6 +27,7 @@ from seacrane.model.dae import Variable
 from seacrane.units import UNITS, compatible
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
+_WIDTH = ("Boolean", "Integer", "Real")
 _SEEN_FROM_INSIDE = {"input": "output", "output": "input", "signal": "signal"}
 """The role of a system's own connector within it: what comes in is something to connect from."""
 
@@ -149,6 +150,10 @@ class System:
             return tuple(self._trace(connector))
         return tuple(c for target in self._ends(connector) for c in self._trace(target, connector))
 
+    def unit_of(self, name: str) -> str:
+        """The unit of a variable or connector; empty if there is none, or if it is not known yet."""
+        return self._unit(name) if name in self._variables or name in self._points else ""
+
     def through(self, link: Connection, value: float) -> float:
         """What a connection makes of a value in the unit of its source."""
         scale = factor(self._unit(link.source), self._unit(link.target)) if link.convert else 1.0
@@ -267,7 +272,7 @@ class System:
 
     def _try_declare(self, connector: Connector) -> list[Problem]:
         name = connector.name
-        if name in self._points or name in self._variables or name in self._level.parts:
+        if name in self._points or name in self._variables:
             return [Problem(name, "there is something of this name already, so it cannot be a connector")]
         if not name or name != name.strip():
             return [Problem(name, "is no name for a connector")]
@@ -313,7 +318,6 @@ class System:
             return [Problem(name, f"is no name for a {what}", allowed=allowed)]
         for kind, there in (
             ("bond", self._level.bonds),
-            ("connector", self._level.connectors),
             ("sub-system" if isinstance(self._level.parts.get(name), System) else "slave", self._level.parts),
         ):
             if name in there:
@@ -338,6 +342,8 @@ class System:
                 if source and target and connection.convert and not compatible(source, target):
                     message = f"is in {target!r} and cannot take {connection.source!r}, which is in {source!r}"
                     problems.append(Problem(connection.target, message))
+                if source is not None and target is not None:
+                    problems += self._kind_problems(connection)
                 if not finite(connection):
                     message = "the gain and the bias of its connection must be finite"
                     problems.append(Problem(connection.target, message, (connection.gain, connection.bias)))
@@ -345,6 +351,21 @@ class System:
                     problems.append(Problem(connection.target, "drives itself", connection.source))
             drivers |= {c.target: c.source for c in entry.terms if c.target not in drivers}
         return list(dict.fromkeys(problems))
+
+    def _kind_problems(self, connection: Connection) -> list[Problem]:
+        """A number of a wider type does not go into one of a narrower type, unless it is taken as it stands."""
+        kinds = [self._kind(name) for name in (connection.source, connection.target)]
+        if not all(kinds) or not connection.convert or _WIDTH.index(kinds[0]) <= _WIDTH.index(kinds[1]):
+            return []
+        message = f"is of type {kinds[1]} and cannot take {connection.source!r}, which is of type {kinds[0]}"
+        return [Problem(connection.target, message)]
+
+    def _kind(self, name: str) -> str:
+        """Real, Integer or Boolean, where the type of a variable is fixed."""
+        if name not in self._variables:
+            return ""
+        slave, variable = self.split(name)
+        return self._slaves[slave].interface.kinds.get(variable, "")
 
     def _role(self, name: str) -> str | None:
         """What a name is to this system: an `output` to connect from, an `input` to connect to, ..."""
@@ -401,10 +422,15 @@ class System:
 
     def _power_problems(self, bond: Bond) -> list[Problem]:
         problems = []
-        sides = (("effort's", bond.effort[0], bond.flow[1]), ("flow's", bond.effort[1], bond.flow[0]))
-        for side, effort, flow in sides:
-            owners = [self._owners.get(n, n.partition(".")[0]) for n in (effort, flow)]
-            if owners[0] != owners[1]:
+        given, taken = self._innermost(*bond.effort)
+        back, moved = self._innermost(*bond.flow)
+        sides = (
+            ("effort's", bond.effort[0], bond.flow[1], given, moved),
+            ("flow's", bond.effort[1], bond.flow[0], taken, back),
+        )
+        for side, effort, flow, *inner in sides:
+            owners = {self._owners.get(n, n.partition(".")[0]) for n in inner}
+            if len(owners) > 1 and self._points.keys().isdisjoint(inner):
                 message = f"the effort and the flow at the {side} side belong to different slaves: {effort!r}, {flow!r}"
                 problems.append(Problem(bond.name, message))
             elif not is_power(self._unit(effort) or "1", self._unit(flow) or "1"):

@@ -11,7 +11,7 @@ from seacrane.units import UNITS, Unit
 
 def known_units(description: ModelDescription) -> dict[str, str | None]:
     """The symbol for each unit that the FMU defines, None where there is none here."""
-    return {unit.name: _known(unit) for unit in description.units}
+    return {unit.name: known_unit(unit) for unit in description.units}
 
 
 def unit_symbol(v: Variable, units: Mapping[str, str | None]) -> str | None:
@@ -21,7 +21,7 @@ def unit_symbol(v: Variable, units: Mapping[str, str | None]) -> str | None:
     return v.unit if v.unit in UNITS else units.get(v.unit)
 
 
-def _known(definition: UnitDefinition) -> str | None:
+def known_unit(definition: UnitDefinition) -> str | None:
     """The symbol of the unit with the exponents and the factor of an FMU's definition."""
     if definition.exponents is None:
         return definition.name if definition.name in UNITS else None

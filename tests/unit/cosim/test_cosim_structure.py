@@ -243,10 +243,11 @@ def test_a_nested_system_given_as_a_whole_tells_everything_that_is_wrong_at_once
                 Transformation.of(["source.fx", "source.fw"], ["sub.pull"], [[1.0, 1.0]]),
                 Connection("sub.sum", "source.fx"),
             ],
-            connectors=[Connector("sub", "input"), Connector("x", "input", "kg")],
+            connectors=[Connector("source.fx", "input"), Connector("x", "input", "kgg")],
         )
     assert messages(caught) == [
-        "sub: there is something of this name already, so it cannot be a connector",
+        "source.fx: there is something of this name already, so it cannot be a connector",
+        "x: has an unknown unit (got 'kgg'). Did you mean 'kg' or 'kg/m' or 'kg/m3' or 'kg.m2'?",
         "source.fw: slave 'source' has no such variable. Did you mean 'source.fz' or 'source.fy' or 'source.fx'?",
         "sub.pull: is driven by 'source.fx' already (got 'source.fx')",
         "source.fx: is an output variable; a connection must end at an input. There is none here.",

@@ -308,8 +308,8 @@ class Execution:
             raise CosimError(Problem(f"{scenario.name}: {p.path}", *astuple(p)[1:]) for p in problems)
         self._scenario, self._events = scenario, timed
         for event in scenario.events:
-            if not isinstance(event.at, float):
-                self.when(*event.at, call=event.action)
+            if event.conditions is not None:
+                self.when(*event.conditions, call=event.action)
 
     # ------------------------------------------------------------ observing
     def record(

@@ -33,10 +33,17 @@ FORMAT: Final = "seacrane-scenario/1"
 
 @dataclass(frozen=True)
 class Event:
-    """An action that is due `at` a time [s], or at the first communication point at which these conditions hold."""
+    """An action that is due `at` a time [s], or at the first communication point at which a condition holds, or all."""
 
-    at: float | tuple[Condition, ...]
+    at: float | Condition | tuple[Condition, ...]
     action: Action
+
+    @property
+    def conditions(self) -> tuple[Condition, ...] | None:
+        """What must hold; None if the event is due at a time."""
+        if isinstance(self.at, int | float):
+            return None
+        return self.at if isinstance(self.at, tuple) else (self.at,)
 
 
 @dataclass(frozen=True)
@@ -61,7 +68,7 @@ class Scenario:
         timed = [
             Timed(round(event.at * NANOSECONDS), index, event.action)
             for index, event in enumerate(self.events)
-            if isinstance(event.at, float)
+            if isinstance(event.at, int | float) and math.isfinite(event.at)
         ]
         return tuple(sorted(timed, key=lambda event: (event.at_ns, event.index)))
 
@@ -70,8 +77,10 @@ class Scenario:
         problems = []
         for index, event in enumerate(self.events):
             wrong = [*check_action(event.action, names)]
-            if not isinstance(event.at, float):
-                wrong += check_conditions(event.at, names)
+            if event.conditions is not None:
+                wrong += check_conditions(event.conditions, names)
+            elif isinstance(event.at, int | float) and not math.isfinite(event.at):
+                wrong.append(Problem("at", "is not a finite number", event.at))
             problems += [Problem(f"events[{index}]: {p.path}", p.message, p.value, p.allowed, p.hint) for p in wrong]
         return problems
 

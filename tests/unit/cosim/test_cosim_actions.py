@@ -1,8 +1,10 @@
 """Manipulations between slaves and connections, triggers, and scenarios."""
 
 import json
+import math
 
 import numpy as np
+import oscillators
 import pytest
 
 from seacrane.cosim import (
@@ -309,14 +311,32 @@ def test_what_is_no_scenario_file_is_refused(text, message):
 def test_a_scenario_that_does_not_fit_the_system_is_refused_as_a_whole():
     run = run_of()
     run.step(4)
-    wrong = Scenario("s", (Event(1.0, Freeze("ghost.y")), Event(0.25, Stop("clock")), Event(2.0, Stop("ghost"))))
+    wrong = Scenario("s", (Event(1.0, Freeze("ghost.y")), Event(0.25, Stop("clock")), Event(math.nan, Stop("ghost"))))
     with pytest.raises(CosimError) as caught:
         run.follow(wrong)
     assert [str(p) for p in caught.value.problems] == [
         "s: events[0]: ghost.y: no such variable in the system. Known: clock.t, follower.trim, follower.u, follower.y.",
         "s: events[2]: ghost: there is no such slave. Known: clock, follower.",
+        "s: events[2]: at: is not a finite number (got nan)",
         "s: events[1]: is due before the present time 0.5 s (got 0.25)",
     ]
-    run.follow(Scenario("right", (Event(1.0, Stop("clock")),)))
+    run.follow(Scenario("right", (Event(1, Stop("clock")), Event(Above("clock.t", 0.7), Freeze("clock.t")))))
+    run.advance(1.0)
+    assert list(run.manipulated) == ["clock.t"]
     with pytest.raises(CosimError, match="right: cannot be followed: the run follows a scenario already"):
         run.follow(Scenario("right", ()))
+
+
+@LOOPS
+def test_a_trigger_may_look_at_what_is_inside_a_model(loop):
+    one, two = oscillators.models()
+    run = Execution(oscillators.system((one, two)), GaussSeidel(0.01), loop=loop)
+    fired = []
+    run.when(Below("one.sum", -0.5), call=lambda r: fired.append((r.time, r.values(["one.sum"])[0])))
+    recorder = run.record(["one.sum"])
+    run.advance(2.0)
+    run.flush()
+    recording = recorder.recording()
+    first = int(np.argmax(recording["one.sum"] < -0.5))
+    assert first > 1
+    assert fired == [(recording.time[first], recording["one.sum"][first])]

@@ -41,7 +41,9 @@ def test_the_table_has_the_printed_rows_and_ours(table):
     found = {(r["solver"], r["level"]) for r in table["rows"]}
     solvers = ("Runge-Kutta 4", "explicit Euler", "Adams (SUNDIALS)", "BDF (SUNDIALS)", "RODAS4")
     assert found == {(s, level) for s in solvers for level in ("simplified", "extended")}
+    assert all({"solver", "level", "rtf", "rmse_m"} <= set(r) for r in table["rows"])
     assert table["machine"]["cpu"]
+    assert "other hardware" in table["printed"]
 
 
 @pytest.mark.parametrize("solver", ["Runge-Kutta 4", "Adams (SUNDIALS)"])

@@ -21,12 +21,14 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Final, get_type_hints
 
+from seacrane import units
 from seacrane.errors import ParameterError, Problem, nearest
-from seacrane.units import UNITS, Quantity, in_unit, labelled, quantity_of, with_unit
+from seacrane.units import UNITS, Quantity, compatible, in_unit, labelled, quantity_of, with_unit
 
 from .dae import PowerBond
 from .ports import Port
@@ -217,7 +219,9 @@ def check_value(path: str, value: Any, declaration: Declaration, quantity: Quant
     """The problem with a parameter's value, if there is one: not a number, not finite, out of bounds, a unit slip."""
     unit = quantity.unit if quantity else "1"
     if isinstance(value, bool) or not hasattr(value, "__float__"):
-        return Problem(path, f"must be {in_unit('a number', unit)}: {declaration.about}", value)
+        return Problem(
+            path, f"must be {in_unit('a number', unit)}: {declaration.about}", value, hint=_spelt(value, unit)
+        )
     try:
         number = float(value)
     except (TypeError, ValueError):  # an array of several, or of none
@@ -234,6 +238,16 @@ def check_value(path: str, value: Any, declaration: Declaration, quantity: Quant
     if slip:
         return Problem(path, f"{slip} It is: {declaration.about}")
     return None
+
+
+def _spelt(value: Any, unit: str) -> str | None:
+    """How a quantity given as a text is written in Python."""
+    match = re.fullmatch(r"\s*([-+.\deE]+)\s*(\S+)\s*", value) if isinstance(value, str) else None
+    if match is None or match[2] not in UNITS or not compatible(match[2], unit):
+        return None
+    constant = match[2].replace("/", "_").replace(".", "")
+    factor = constant if hasattr(units, constant) else f"{UNITS[match[2]].factor:g}"
+    return f"Write {match[1]} * {factor}, with the constants of seacrane.units."
 
 
 def symbolic_twin(component: Component, symbols: Mapping[str, Any]) -> Component:

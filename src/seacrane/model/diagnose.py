@@ -7,8 +7,8 @@ them. The names of the components behind either set say where to look.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Final
 
 import casadi as ca
 
@@ -89,11 +89,8 @@ def _too_much(
             )
         else:
             what = " and ".join(quantities[:4]) if quantities else "nothing that is unknown"
-            yield Problem(
-                name,
-                f"{where} determine {what} more than once",
-                hint="Two sources of the same kind on one node? Remove one, or put a resistance between them.",
-            )
+            units = {unknowns[j].variable.unit for i in group for j in incidence[i]}
+            yield Problem(name, f"{where} determine {what} more than once", hint=_cure(units, _TWICE))
 
 
 def _too_little(
@@ -127,8 +124,34 @@ def undetermined(name: str, unknowns: Sequence[Unknown], equations: Sequence[Equ
     return Problem(
         name,
         f"nothing determines {shown}{at}",
-        hint="Add a store or a source there (a tank, volume, mass or prescribed motion), or an equation.",
+        hint=_cure({u.variable.unit for u in unknowns if u.shown}, _NOT_AT_ALL),
     )
+
+
+_TWICE: Final = {
+    "Pa": "Two pressures on one node? Remove one source, or put an orifice or a hose between them.",
+    "m3/s": "Flow imposed from both sides? Put a ControlVolume or a hose there, to take up the difference.",
+    "m/s": "Two speeds on one node? Remove one source, or put a SpringDamper between them.",
+    "N": "Force imposed from both sides? Put a Mass there, to take up the difference.",
+    "rad/s": "Two speeds on one shaft? Remove one source, or put a TorsionalSpringDamper between them.",
+    "N.m": "Torque imposed from both sides? Put an Inertia there, to take up the difference.",
+    "": "Two sources of the same kind on one node? Remove one, or put a resistance between them.",
+}
+_NOT_AT_ALL: Final = {
+    "Pa": "Add what holds the pressure there: a Tank, a ControlVolume, or a leak.",
+    "m3/s": "Add what limits the flow there: an orifice, a pipe or a pump.",
+    "m/s": "Add what holds the speed there: a Mass, or a prescribed motion.",
+    "N": "Add what gives the force there: a SpringDamper, or something that is moved.",
+    "rad/s": "Add what holds the speed there: an Inertia, or a prescribed speed.",
+    "N.m": "Add what gives the torque there: a TorsionalSpringDamper, or something that is turned.",
+    "": "Add a store or a source there (a tank, volume, mass or prescribed motion), or an equation.",
+}
+"""What to do about quantities of this unit that are determined more than once, or not at all; "" for mixed ones."""
+
+
+def _cure(units: set[str], cures: Mapping[str, str]) -> str:
+    (unit,) = units if len(units) == 1 else ("",)
+    return cures.get(unit, cures[""])
 
 
 def places(origins: Iterator[str]) -> str:

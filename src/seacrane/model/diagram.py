@@ -207,7 +207,11 @@ def _mismatches(name: str, ports: tuple[PortHandle, ...]) -> Iterator[Problem]:
     unit = outputs[0].port.unit  # type: ignore[union-attr]
     for p in ports:
         if isinstance(p.port, SignalIn) and not compatible(unit, p.port.unit):
-            yield Problem(p.path, f"takes a signal in {p.port.unit!r}, but {outputs[0].path} gives {unit!r}")
+            yield Problem(p.path, f"takes a signal {_in(p.port.unit)}, but {outputs[0].path} gives one {_in(unit)}")
+
+
+def _in(unit: str) -> str:
+    return "without a unit" if unit == "1" else f"in {unit}"
 
 
 def _kind(port: Port) -> str:

@@ -28,7 +28,7 @@ class Report:
     undetermined: tuple[Problem, ...] = ()
 
     def __str__(self) -> str:
-        lines = [f"{self.name}: {len(self.states)} states, {len(self.algebraics)} algebraic unknowns"]
+        lines = [f"{self.name}: {_count(self.states, 'state')}, {_count(self.algebraics, 'algebraic unknown')}"]
         for tie in self.ties:
             follows = "follow" if len(tie.demoted) > 1 else "follows"
             lines.append(
@@ -46,6 +46,10 @@ class Report:
             lines.append(f"  algebraic loop through {loop.where} ({what}): {how}.")
         lines += [f"  {problem}" for problem in self.undetermined]
         return "\n".join(lines)
+
+
+def _count(names: tuple[str, ...], what: str) -> str:
+    return f"{len(names)} {what}{'s' if len(names) != 1 else ''}"
 
 
 def report(diagram: Diagram) -> Report:

@@ -116,7 +116,7 @@ def test_signals_of_different_units_are_not_joined():
     sink = diagram.add("sink", sig.Gain(gain=1.0, takes="bar"))
     with pytest.raises(StructureError) as caught:
         diagram.connect(source.y, sink.u)
-    assert str(caught.value) == "sink.u: takes a signal in 'bar', but source.y gives 'm'"
+    assert str(caught.value) == "sink.u: takes a signal in bar, but source.y gives one in m"
 
 
 def test_signals_of_one_dimension_are_converted():

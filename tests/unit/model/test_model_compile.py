@@ -217,7 +217,7 @@ def test_a_signal_in_the_wrong_unit_is_refused():
     class Dial(InMillimetre):
         ports = {"u": InMillimetre.ports["u"].__class__("bar")}
 
-    with pytest.raises(StructureError, match=r"takes a signal in 'bar', but lag.y gives 'm'"):
+    with pytest.raises(StructureError, match=r"takes a signal in bar, but lag.y gives one in m"):
         diagram.connect(lag.y, diagram.add("gauge", Dial()).u)
 
 

@@ -104,7 +104,7 @@ def draw_point(rng, dae: Dae, component: Component):
     def parameter(name):
         return float(getattr(component, name.removeprefix("part.")))
 
-    p = np.array([parameter(v.name) if _owned(v.name) else v.start for v in dae.parameters])
+    p = [parameter(v.name) if _owned(v.name) else v.start for v in dae.parameters] + [v.start for v in dae.modes]
     nominal = {"Pa": 1e7, "m3/s": 1e-2, "N": 1e5, "N.m": 1e4, "rad/s": 10.0}
 
     def numbers(variables):
@@ -112,7 +112,7 @@ def draw_point(rng, dae: Dae, component: Component):
         random = rng.normal(size=len(variables)) * 10.0 ** rng.uniform(-3, 0.5, len(variables))
         return size * random * (rng.random(len(variables)) > 0.2)
 
-    return rng.uniform(0, 5), p, numbers(dae.states), numbers(dae.inputs)
+    return rng.uniform(0, 5), np.array(p), numbers(dae.states), numbers(dae.inputs)
 
 
 def _owned(name):

@@ -27,12 +27,12 @@ class ModelSlave(Slave):
         self.parameters = dict(parameters or {})
         dae = self.dae
         own = (*dae.parameters, *SETTINGS)
-        check_values(self.parameters, (*own, *dae.states, *dae.algebraics, *dae.inputs), dae.name)
+        check_values(self.parameters, (*own, *dae.states, *dae.algebraics, *dae.modes, *dae.inputs), dae.name)
         self._interface = Interface(
             inputs=started(dae.inputs, self.parameters),
             outputs=dae.outputs,
             parameters=started(own, self.parameters),
-            watchable=(*dae.states, *dae.algebraics, *dae.observables),
+            watchable=(*dae.states, *dae.algebraics, *dae.modes, *dae.observables),
         )
 
     @property

@@ -55,6 +55,7 @@ def page(dae: Dae, terminals: Sequence[Terminal], diagram: bool) -> str:
     parts += _table("Parameters", dae.parameters, start="default")
     parts += _table("Solver", SETTINGS, start="default")
     parts += _table("States", dae.states, start="start")
+    parts += _table("Modes, which events change", dae.modes, start="start")
     parts += _table("Unknowns of the algebraic equations", dae.algebraics, start="first guess")
     parts += _table("Other variables", dae.observables)
     if dae.sources:

@@ -19,11 +19,13 @@ KINDS: Final = {
     "INPUT": ("input", "continuous", None),
     "OUTPUT": ("output", "continuous", "calculated"),
     "PARAMETER": ("parameter", "tunable", "exact"),
+    "MODE": ("local", "discrete", "exact"),
     "SETTING": ("parameter", "tunable", "exact"),
     "STATE": ("local", "continuous", "exact"),
     "DERIVATIVE": ("local", "continuous", "calculated"),
     "ALGEBRAIC": ("local", "continuous", "approx"),
     "OBSERVABLE": ("local", "continuous", "calculated"),
+    "INDICATOR": ("local", "continuous", "calculated"),
     "TIME": ("independent", "continuous", None),
 }
 """Causality, variability and initial for each kind of variable."""

@@ -40,7 +40,7 @@ def describe(model: Generated, identifier: str, sources: Sequence[str] = ()) -> 
     }
     lines = [
         HEAD,
-        f'<fmiModelDescription{attributes(root)} numberOfEventIndicators="0">',
+        f'<fmiModelDescription{attributes(root)} numberOfEventIndicators="{len(model.dae.events)}">',
         *_interface("ModelExchange", exchange, sources),
         *_interface("CoSimulation", simulation, sources),
         *units(model.entries),

@@ -87,6 +87,7 @@ def _structure(model: Generated, references: dict[str, int]) -> list[str]:
             f'    <InitialUnknown valueReference="{references[name]}"/>'
             for name in names(model.entries, "OUTPUT", "DERIVATIVE")
         ),
+        *(f'    <EventIndicator valueReference="{references[n]}"/>' for n in names(model.entries, "INDICATOR")),
         "  </ModelStructure>",
     ]
 

@@ -17,7 +17,7 @@ import casadi as ca
 
 from seacrane.errors import Problem, nearest
 from seacrane.library import symbols
-from seacrane.library.references import ASTROM_MURRAY, DISSERTATION
+from seacrane.library.references import ASTROM_MURRAY, DISSERTATION, HYSTERESIS
 from seacrane.model import BondGraph, Component, SignalIn, SignalOut, initial, option, parameter
 from seacrane.model.ports import Port
 from seacrane.numerics.regularise import limit, maximum, piecewise_linear
@@ -268,6 +268,36 @@ class DeadBand(_Keeping):
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         yield m.y, m.u - limit(m.u, -self.width, self.width)
+
+
+class Relay(_Changing):
+    """A switch with hysteresis: y = `on` once u has risen above `high`, `off` once it has fallen below `low`.
+
+    It switches at once, at a located instant. Where y acts back on u, the two limits must be far enough apart for what
+    is switched: nothing switches a thousand times in a second.
+    """
+
+    low: Ratio = parameter("input below which it switches off", least=-1e12, most=1e12)
+    high: Ratio = parameter("input above which it switches on", least=-1e12, most=1e12)
+    off: Ratio = parameter("output when off", default=0.0, least=-1e12, most=1e12)
+    on: Ratio = parameter("output when on", default=1.0, least=-1e12, most=1e12)
+    switched: Ratio = initial("1 if it starts on, 0 if off", least=0, most=1)
+    ports = {"u": SignalIn(), "y": SignalOut()}
+    icon = symbols.RELAY
+    sources = (HYSTERESIS,)
+
+    def check(self) -> Iterator[Problem]:
+        yield from super().check()
+        yield from _limit_problem(self.low, self.high)
+
+    def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
+        switched = m.mode("switched", start=round(self.switched), about="1 when on, 0 when off")
+        yield m.y, self.off + (self.on - self.off) * switched
+        span = self.high - self.low
+        m.when(
+            "rises", (1 - switched) * (m.u - self.high) / span, (switched, 1), about="input rises above its upper limit"
+        )
+        m.when("falls", switched * (self.low - m.u) / span, (switched, 0), about="input falls below its lower limit")
 
 
 class RateLimit(_Keeping):

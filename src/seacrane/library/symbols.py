@@ -213,6 +213,13 @@ _PLUNGER = (
 )
 SINGLE_ACTING_CYLINDER = Symbol(140, 50, _PLUNGER, {"a": (10, 50), "rod": (140, 20)})
 
+PRESSURE_SWITCH = Symbol(
+    60,
+    40,
+    _box(0, 4, 60, 32) + _path("M30 40 V30 M24 14 L36 26") + _spring(4, 20, 18) + _path("M38 10 H60 M38 30 H60"),
+    {"p": (30, 40), "above": (60, 10), "below": (60, 30)},
+)
+
 # ---------------------------------------------------------------- mechanics
 _GROUND = "M{0} {1} h24 m-20 0 l-5 6 m11 -6 l-5 6 m11 -6 l-5 6 m11 -6 l-5 6"
 MASS = Symbol(50, 40, _path("M0 20 H8") + _box(8, 4, 42, 32) + _word(29, 25, "m"), {"flange": (0, 20)})
@@ -240,6 +247,15 @@ ELECTRIC_MOTOR = Symbol(
 )
 FRICTION = Symbol(
     40, 40, _path("M0 18 H34 M0 22 H34 M8 12 H30 M8 28 H30") + _path(_GROUND.format(8, 29)), {"flange": (0, 20)}
+)
+HOLDING_BRAKE = Symbol(
+    40,
+    50,
+    _path("M0 28 H26 M0 32 H26")
+    + _box(14, 14, 6, 32)
+    + _path("M8 22 H12 V38 H8 M26 22 H22 V38 H26 M17 0 V6 M10 6 H24")
+    + _path(_GROUND.format(14, 46), 'stroke-width="0.8"'),
+    {"shaft": (0, 30), "release": (20, 0)},
 )
 GEAR = Symbol(
     60, 60, _path("M0 20 H20 M40 40 H60") + _box(20, 12, 20, 16) + _box(20, 28, 20, 28), {"a": (0, 20), "b": (60, 40)}
@@ -287,6 +303,7 @@ SUM = Symbol(40, 40, _circle(20, 20, 20) + _word(20, 26, "Σ", 18))
 TABLE = _block(_AXES + _path("M10 30 L20 24 L28 10 L42 8"))
 SATURATION = _block(_path("M25 4 V36 M6 20 H44", 'stroke-width="0.7"') + _path("M8 32 H16 L34 8 H42"))
 DEAD_BAND = _block(_path("M25 4 V36 M6 20 H44", 'stroke-width="0.7"') + _path("M8 34 L18 20 H32 L42 6"))
+RELAY = _block(_AXES + _path("M10 30 H34 M18 30 V12 H42 M34 30 V12"))
 RATE_LIMIT = _block(_AXES + _path("M10 30 L34 10 H42") + _word(36, 28, "max", 9))
 FIRST_ORDER_LAG = _block(_AXES + _path("M10 30 Q16 11 42 10"))
 SECOND_ORDER_LAG = _block(_AXES + _path("M10 30 C16 -6 24 4 28 12 S36 12 42 11"))

@@ -12,7 +12,7 @@ from .dae import Dae, PowerBond, Variable
 from .diagram import Diagram, Part, PortHandle
 from .files import check, load, save
 from .linear import Linearised, Mode, linearise
-from .native import NativeInstance, NativeModel, build
+from .native import Happening, NativeInstance, NativeModel, build
 from .ports import Hydraulic, Rotational, SignalIn, SignalOut, Translational
 from .simulate import SOLVERS, Run, simulate
 from .solvers import RODAS4, ExplicitEuler, ImplicitEuler, RungeKutta4, RunStatistics
@@ -34,6 +34,7 @@ __all__ = [
     "Dae",
     "Diagram",
     "ExplicitEuler",
+    "Happening",
     "Hydraulic",
     "ImplicitEuler",
     "Linearised",

@@ -44,11 +44,18 @@ class ExplicitForm:
     """
 
     def __init__(self, dae: Dae, task: Task) -> None:
+        if dae.events:
+            told = ", ".join(e.name for e in dae.events[:3])
+            raise SolveError.at(
+                dae.name,
+                f"has events ({told}), which solvers of other libraries do not locate here",
+                hint="Take one of our own: 'rodas4', 'implicit-euler', 'explicit-euler' or 'rk4'.",
+            )
         self.dae, self.task = dae, task
         with task.start() as instance:
             self.start = instance.get([v.name for v in dae.states + dae.algebraics])
             self.inputs = instance.get([v.name for v in dae.inputs])
-            self.parameters = instance.get([v.name for v in dae.parameters])
+            self.parameters = instance.get([v.name for v in dae.constants])
         self.nominal = np.array([v.nominal for v in dae.states + dae.algebraics])
         n, nu = self.nominal.size, len(dae.inputs)
         self.t, self.y, self.c = ca.SX.sym("t"), ca.SX.sym("y", n), ca.SX.sym("c", 2 * nu + 1)
@@ -76,7 +83,7 @@ class ExplicitForm:
             (d.states, d.x),
             (d.algebraics, d.z),
             (d.inputs, d.u),
-            (d.parameters, d.p),
+            (d.constants, d.p),
             (d.outputs, d.out),
             (d.observables, d.obs),
         )

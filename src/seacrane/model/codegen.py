@@ -17,13 +17,13 @@ from typing import Any
 import casadi as ca
 
 from seacrane.errors import Problem, StructureError
-from seacrane.model.dae import Dae, Variable
+from seacrane.model.dae import Dae, Variable, column
 from seacrane.native import source
 from seacrane.units import UNITS, Unit
 
 CORE = source(
     "model.h", "core.h", "interface.h", "fmi2.h", "fmi3.h", "linear.c", "instance.c", "evaluate.c", "values.c",
-    "newton.c", "integrate.c", "explicit.c", "simulate.c", "interface.c", "fmi2.c", "fmi3.c",
+    "newton.c", "integrate.c", "explicit.c", "events.c", "simulate.c", "interface.c", "fmi2.c", "fmi3.c",
 )  # fmt: skip
 """The C files that every model is compiled with."""
 
@@ -101,6 +101,8 @@ def generate(dae: Dae) -> Generated:
         "NZ": len(dae.algebraics),
         "NU": len(dae.inputs),
         "NP": len(dae.parameters),
+        "NM": len(dae.modes),
+        "NE": len(dae.events),
         "NY": len(dae.outputs),
         "NW": len(dae.observables),
         **{key: value for key, value in sizes.items() if isinstance(value, int)},
@@ -116,7 +118,7 @@ def generate(dae: Dae) -> Generated:
 def _check(dae: Dae) -> None:
     problems = [
         Problem(v.name, "the start value is not a finite number", v.start)
-        for v in dae.states + dae.algebraics + dae.inputs + dae.parameters
+        for v in dae.states + dae.algebraics + dae.inputs + dae.constants
         if not math.isfinite(v.start)
     ]
     problems += [
@@ -138,11 +140,13 @@ def _entries(dae: Dae) -> tuple[Entry, ...]:
         ("INPUT", dae.inputs),
         ("OUTPUT", dae.outputs),
         ("PARAMETER", dae.parameters),
+        ("MODE", dae.modes),
         ("SETTING", SETTINGS),
         ("STATE", dae.states),
         ("DERIVATIVE", [derivative_of(v) for v in dae.states]),
         ("ALGEBRAIC", dae.algebraics),
         ("OBSERVABLE", dae.observables),
+        ("INDICATOR", [Variable(e.name, about=e.about or "indicator of an event") for e in dae.events]),
         ("TIME", [_independent(dae)]),
     )
     references = value_references(v.name for _, variables in groups for v in variables)
@@ -171,6 +175,7 @@ def _functions(dae: Dae) -> tuple[str, dict[str, Any]]:
     def along(expression: Any, variables: Any, direction: Any) -> Any:
         return ca.densify(ca.jtimes(expression, variables, direction))
 
+    due = ca.SX.sym("due", len(dae.events))
     everything, direction = ca.vertcat(t, y, u, p), ca.vertcat(dt, dy, du, dp)
     inputs = [t, y, u, p]
     functions = [
@@ -185,6 +190,8 @@ def _functions(dae: Dae) -> tuple[str, dict[str, Any]]:
             [*inputs, dt, dy, du, dp],
             [along(f, everything, direction), along(out, everything, direction)],
         ),
+        _function("model_indicate", inputs, [column(*[e.indicator for e in dae.events])]),
+        _function("model_reset", [*inputs, due], [_after_events(dae, due)]),
     ]
     generator = ca.CodeGenerator("model_functions.c", {"casadi_int": "int"})
     for function in functions:
@@ -203,6 +210,16 @@ def _functions(dae: Dae) -> tuple[str, dict[str, Any]]:
         "pattern": (jacobian.sparsity().row(), jacobian.sparsity().get_col()),
         "pattern_alg": (jacobian_alg.sparsity().row(), jacobian_alg.sparsity().get_col()),
     }
+
+
+def _after_events(dae: Dae, due: Any) -> Any:
+    """States, then modes, after those events whose entry of `due` is not zero."""
+    after = {v.name: dae.x[i] for i, v in enumerate(dae.states)}
+    after |= {v.name: dae.p[len(dae.parameters) + i] for i, v in enumerate(dae.modes)}
+    for i, event in enumerate(dae.events):
+        for name, value in event.resets.items():
+            after[name] = ca.if_else(due[i] != 0, value, after[name])
+    return column(*after.values())
 
 
 def _places(size: int, rows: Sequence[int], columns: Sequence[int]) -> list[int]:
@@ -242,11 +259,14 @@ def _tables(dae: Dae, entries: Sequence[Entry], sizes: dict[str, Any]) -> str:
         ("start_y", "N", [v.start for v in unknowns]),
         ("nominal_y", "N", [v.nominal for v in unknowns]),
         ("start_u", "NU", [v.start for v in dae.inputs]),
+        ("start_m", "NM", [v.start for v in dae.modes]),
         ("start_p", "NP", [v.start for v in dae.parameters]),
         ("minimum_p", "NP", [v.minimum for v in dae.parameters]),
         ("maximum_p", "NP", [v.maximum for v in dae.parameters]),
     )
     lines += [f"const double model_{name}[ROOM({size})] = {{{_reals(values)}}};" for name, size, values in reals]
+    names = ", ".join(_text(e.name) for e in dae.events) or "0"
+    lines.append(f"const char *const model_event[ROOM(NE)] = {{{names}}};")
     lines.append(f"const int model_place[ROOM(N)] = {{{', '.join(map(str, sizes['place'])) or '0'}}};")
     for suffix, size, key in (("", "NNZ", "pattern"), ("_alg", "NNZ_ALG", "pattern_alg")):
         for name, indices in zip(("row", "column"), sizes[key], strict=True):

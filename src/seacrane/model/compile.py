@@ -22,7 +22,7 @@ import numpy as np
 from seacrane.errors import Problem, StructureError
 from seacrane.numerics.graph import components_in_order, tear
 
-from .dae import Dae, Divisor, Variable, column
+from .dae import Dae, Divisor, Event, Variable, column
 from .diagnose import places, undetermined
 from .diagram import Diagram
 from .flatten import Flat, Unknown, flatten
@@ -34,6 +34,9 @@ LARGEST_SYMBOLIC_BLOCK = 4
 
 LEAST_PIVOT = 1e-3
 """An equation is solved for an unknown only if it has this weight in it, measured in nominal values."""
+
+
+UNTIE = "Put something yielding between the two: a shaft, a spring or a hose."
 
 
 @dataclass(frozen=True)
@@ -222,18 +225,33 @@ def _assemble(diagram: Diagram, flat: Flat, reduced: Reduced, solution: _Solutio
         name = u.symbol.name()
         if u.shown and name not in algebraic and name not in flat.outputs:
             looked_at[name] = (u.variable, u.symbol)
+    problems = [
+        Problem(event.name, f"sets {target}, which is tied rigidly to another state and follows it", hint=UNTIE)
+        for event in flat.events.values()
+        for target, _ in event.resets
+        if target in flat.states and target not in kept
+    ]
+    if problems:
+        raise StructureError(problems)
+    jumps = [[event.indicator, *(value for _, value in event.resets)] for event in flat.events.values()]
     targets = [
         column(*[rates[name] for name in kept]),
         column(*solution.residuals),
         column(*[e for _, e in flat.outputs.values()]),
         column(*[e for _, e in looked_at.values()]),
+        *[column(*jump) for jump in jumps],
         *[d.coefficients for d in solution.divisors],
     ]
     if solution.symbols:
         _, targets = ca.substitute_inplace(solution.symbols, solution.expressions, targets, False)
     # A rate that is itself an algebraic unknown (in a nonlinear block) is that unknown: nothing more to do.
     ode, alg, out, obs = (ca.densify(e) for e in targets[:4])
-    divisors = [replace(d, coefficients=c) for d, c in zip(solution.divisors, targets[4:], strict=True)]
+    events = [
+        Event(e.name, values[0], {target: values[i] for i, (target, _) in enumerate(e.resets, start=1)}, e.about)
+        for e, values in zip(flat.events.values(), map(ca.densify, targets[4:]), strict=False)
+    ]
+    coefficients = targets[4 + len(events) :]
+    divisors = [replace(d, coefficients=c) for d, c in zip(solution.divisors, coefficients, strict=True)]
     return Dae(
         name=diagram.name,
         states=tuple(v for v, _ in kept.values()),
@@ -246,7 +264,7 @@ def _assemble(diagram: Diagram, flat: Flat, reduced: Reduced, solution: _Solutio
         x=column(*[s for _, s in kept.values()]),
         z=column(*[u.symbol for u in solution.algebraic]),
         u=column(*[s for _, s in flat.inputs.values()]),
-        p=column(*[s for _, s in flat.parameters.values()]),
+        p=column(*[s for _, s in (*flat.parameters.values(), *flat.modes.values())]),
         ode=ode,
         alg=alg,
         out=out,
@@ -254,4 +272,6 @@ def _assemble(diagram: Diagram, flat: Flat, reduced: Reduced, solution: _Solutio
         sources=tuple(flat.sources),
         divisors=tuple(divisors),
         bonds=tuple(flat.bonds),
+        modes=tuple(v for v, _ in flat.modes.values()),
+        events=tuple(events),
     )

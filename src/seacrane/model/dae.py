@@ -5,6 +5,9 @@
         y = out(t, x, z, u, p)       outputs: what others may connect to
         w = obs(t, x, z, u, p)       observables: everything else worth plotting
 
+p holds the parameters, then the modes: numbers that stay as they are until an event changes them. An event happens
+where its indicator rises above zero, and sets states and modes to new values.
+
 Diagrams compile to it, rigid-body cranes and vessels are written in it, and the C core, the FMU export and the
 linearisation start from it.
 """
@@ -12,6 +15,7 @@ linearisation start from it.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -41,6 +45,20 @@ class Variable:
     @property
     def display_unit(self) -> str:
         return self.shown or display(self.unit)
+
+
+@dataclass(frozen=True)
+class Event:
+    """What happens where `indicator` rises above zero: the states and modes named in `resets` get these values.
+
+    The indicator is of the order of one. All values are computed from what was before. Of events at the same instant
+    that set the same variable, the later one in the model wins.
+    """
+
+    name: str
+    indicator: Any
+    resets: Mapping[str, Any]
+    about: str = ""
 
 
 @dataclass(frozen=True)
@@ -91,6 +109,8 @@ class Dae:
     sources: tuple[str, ...] = field(default=())
     divisors: tuple[Divisor, ...] = field(default=())
     bonds: tuple[PowerBond, ...] = field(default=())
+    modes: tuple[Variable, ...] = ()
+    events: tuple[Event, ...] = ()
 
     def __post_init__(self) -> None:
         problems = []
@@ -98,7 +118,7 @@ class Dae:
             ("states", self.states, self.x),
             ("algebraics", self.algebraics, self.z),
             ("inputs", self.inputs, self.u),
-            ("parameters", self.parameters, self.p),
+            ("parameters and modes", self.constants, self.p),
             ("states", self.states, self.ode),
             ("algebraics", self.algebraics, self.alg),
             ("outputs", self.outputs, self.out),
@@ -107,8 +127,14 @@ class Dae:
         for group, variables, vector in pairs:
             if vector.numel() != len(variables):
                 problems.append(Problem(self.name, f"{len(variables)} {group}, but {vector.numel()} expressions"))
-        names = [v.name for v in self.variables]
+        names = [v.name for v in self.variables] + [e.name for e in self.events]
         problems += [Problem(n, "is the name of two variables") for n in sorted(set(names)) if names.count(n) > 1]
+        settable = {v.name for v in self.states + self.modes}
+        problems += [
+            Problem(e.name, f"sets {n!r}, which is no state and no mode")
+            for e in self.events
+            for n in sorted(set(e.resets) - settable)
+        ]
         problems += [Problem(v.name, f"unknown unit {v.unit!r}") for v in self.variables if v.unit not in UNITS]
         given, found = ({v.name for v in group} for group in (self.inputs, self.outputs))
         problems += [
@@ -121,8 +147,15 @@ class Dae:
 
     @property
     def variables(self) -> tuple[Variable, ...]:
-        """All variables, in the order states, algebraics, inputs, parameters, outputs, observables."""
-        return self.states + self.algebraics + self.inputs + self.parameters + self.outputs + self.observables
+        """All variables: states, algebraics, inputs, parameters, outputs, observables, modes, in this order."""
+        return (
+            self.states + self.algebraics + self.inputs + self.parameters + self.outputs + self.observables + self.modes
+        )
+
+    @property
+    def constants(self) -> tuple[Variable, ...]:
+        """What p holds: parameters, then modes."""
+        return self.parameters + self.modes
 
 
 def column(*expressions: Any) -> Any:

@@ -123,7 +123,7 @@ def _impossible_pressures(dae: Dae, stop: Stop) -> Iterator[Problem]:
 
 
 def _beyond_the_stroke(dae: Dae, stop: Stop) -> Iterator[Problem]:
-    parameters = {v.name: float(p) for v, p in zip(dae.parameters, stop.point.p, strict=True)}
+    parameters = {v.name: float(p) for v, p in zip(dae.constants, stop.point.p, strict=True)}
     for v, value in zip(dae.states, stop.point.x.tolist(), strict=True):
         stroke = _stroke(v, parameters)
         if stroke is not None and not -DEEP <= value <= stroke + DEEP:

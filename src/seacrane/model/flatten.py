@@ -33,6 +33,16 @@ class Equation:
 
 
 @dataclass(frozen=True)
+class Jump:
+    """An event of a component, stated with the symbols of its law; see `Equations.when`."""
+
+    name: str
+    indicator: Any
+    resets: tuple[tuple[str, Any], ...]
+    about: str
+
+
+@dataclass(frozen=True)
 class Unknown:
     """A symbol to be solved for: a derivative of a state, a port variable, a signal or an unknown of a component.
 
@@ -56,6 +66,8 @@ class Flat:
         self.parameters: dict[str, tuple[Variable, Any]] = {}
         self.outputs: dict[str, tuple[Variable, Any]] = {}
         self.observables: dict[str, tuple[Variable, Any]] = {}
+        self.modes: dict[str, tuple[Variable, Any]] = {}
+        self.events: dict[str, Jump] = {}
         self.equations: list[Equation] = []
         self.sources: list[str] = []
         self.bonds: list[PowerBond] = []
@@ -121,6 +133,31 @@ class Equations:
         path = f"{self._path}.{name}"
         start, nominal = _number(path, "start value", start), _number(path, "nominal value", nominal)
         return self._flat.unknown(Variable(path, unit, start, nominal, about=about))
+
+    def mode(self, name: str, *, start: float = 0.0, about: str = "") -> Any:
+        """A new mode: a number that stays as it is until an event sets it. `start` is a number."""
+        path = f"{self._path}.{name}"
+        symbol = ca.SX.sym(path)
+        self._flat.modes[path] = (Variable(path, "1", _number(path, "start value", start), about=about), symbol)
+        return symbol
+
+    def when(self, name: str, indicator: Any, *resets: tuple[Any, Any], about: str = "") -> None:
+        """An event: where `indicator` rises above zero, each pair (state or mode, value) gives that one its new value.
+
+        The instant is located within the step of the solver. All values are computed from what was before it; what the
+        jump brings about happens at the same instant. At the start, and where an input jumps, an indicator above zero
+        counts as one that has risen. Write indicators of the order of one, and switch off one that must not act in some
+        mode by a factor of zero. Two events that switch to and fro need limits that are apart (a hysteresis).
+        """
+        path = f"{self._path}.{name}"
+        targets = []
+        for target, value in resets:
+            place = target.name() if isinstance(target, ca.SX) and target.is_symbolic() else str(target)
+            if place not in self._ders and not (place in self._flat.modes and place.startswith(f"{self._path}.")):
+                told = f"sets {place}, but an event sets states and modes of its own component only"
+                raise StructureError.at(path, told)
+            targets.append((place, ca.SX(value)))
+        self._flat.events[path] = Jump(path, ca.SX(indicator), tuple(targets), about)
 
     def observe(self, name: str, expression: Any, unit: str = "1", about: str = "", shown: str = "") -> None:
         """A named quantity to look at; it determines nothing."""

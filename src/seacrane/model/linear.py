@@ -173,7 +173,7 @@ def linearise(
             instance.simulate([at], [])
         time = instance.time
         x, z, u, p = (
-            instance.get([v.name for v in group]) for group in (d.states, d.algebraics, d.inputs, d.parameters)
+            instance.get([v.name for v in group]) for group in (d.states, d.algebraics, d.inputs, d.constants)
         )
     wanted = ca.vertcat(*[expressions[n] for n in names])
     pairs = [(e, v) for e in (d.ode, d.alg, wanted) for v in (d.x, d.z, d.u)]

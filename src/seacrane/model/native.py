@@ -38,7 +38,7 @@ ERROR: Final = 3
 
 @dataclass(frozen=True)
 class Calls:
-    """Addresses of the C functions of a slave, with the signatures of fmi2SetReal, fmi2GetReal and fmi2DoStep."""
+    """Addresses of the C functions of a slave: fmi2SetReal, fmi2GetReal, fmi2DoStep, fmi2SetRealInputDerivatives."""
 
     set: int
     get: int
@@ -60,6 +60,18 @@ class Statistics:
     residuals: int
     jacobians: int
     factorizations: int
+
+
+@dataclass(frozen=True)
+class Happening:
+    """An event that has happened, and when [s]."""
+
+    time: float
+    name: str
+
+
+KEPT_EVENTS: Final = 256
+"""How many events an instance remembers."""
 
 
 class _Samples(ctypes.Structure):
@@ -153,6 +165,18 @@ class NativeInstance:
         self._c.seacrane_statistics(self._live, counts)
         return Statistics(*counts)
 
+    def events(self, first: int = 0) -> tuple[int, tuple[Happening, ...]]:
+        """How many events have happened since the instance was made or reset, and those from number `first` on.
+
+        The last 256 are remembered; of those before nothing but their number is known.
+        """
+        count = int(self._c.seacrane_events(self._live, 0, 0, None, None))
+        first = max(first, count - KEPT_EVENTS)
+        time, index = (c_double * (count - first))(), (c_int * (count - first))()
+        self._c.seacrane_events(self._live, first, count - first, time, index)
+        names = [e.name for e in self.model.dae.events]
+        return count, tuple(Happening(t, names[i]) for t, i in zip(time, index, strict=True))
+
     def set(self, names: Reference | Sequence[Reference], values: ArrayLike) -> None:
         """Sets inputs and parameters at any time, states and starts of algebraic unknowns before `initialize`.
 
@@ -198,6 +222,21 @@ class NativeInstance:
         status = self._c.fmi2DoStep(self._live, time, size, 0)
         if status != OK:
             raise self._failure(status)
+
+    def set_derivatives(self, names: Reference | Sequence[Reference], values: ArrayLike, order: int = 1) -> None:
+        """Time derivatives of inputs at the present time, for the next `step` alone: lines, or parabolas by `order` 2.
+
+        After that step the inputs stay where it has brought them. Raises `ParameterError` for what is no input, a value
+        that is not finite, or another order.
+        """
+        references, count = self._resolve(names)
+        array = np.ascontiguousarray(values, dtype=np.float64).reshape(-1)
+        if array.size != count:
+            raise ParameterError.at(self.name, f"{count} variables cannot take {array.size} values")
+        orders = (c_int * count)(*[order] * count)
+        status = self._c.fmi2SetRealInputDerivatives(self._live, references, count, orders, array.ctypes.data)
+        if status != OK:
+            raise ParameterError.at(self.name, self._message())
 
     def simulate(
         self,
@@ -403,6 +442,8 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "fmi2SetReal": (c_int, [c_void_p, c_void_p, c_size_t, c_void_p]),
         "fmi2GetReal": (c_int, [c_void_p, c_void_p, c_size_t, c_void_p]),
         "fmi2DoStep": (c_int, [c_void_p, c_double, c_double, c_int]),
+        "fmi2SetRealInputDerivatives": (c_int, [c_void_p, c_void_p, c_size_t, c_void_p, c_void_p]),
+        "seacrane_events": (c_uint64, [c_void_p, c_uint64, c_size_t, c_void_p, c_void_p]),
         "seacrane_simulate": (
             c_int,
             [c_void_p, c_size_t, c_void_p, POINTER(_Samples), c_size_t, c_void_p, c_void_p, POINTER(c_size_t)],

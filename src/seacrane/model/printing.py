@@ -28,7 +28,7 @@ class Line:
 
 @dataclass(frozen=True)
 class ComponentEquations:
-    """The law of one component: its equations, in its own names, and the parts of them that have a name (`where`)."""
+    """The law of one component: its equations and events, in its own names, and the parts with a name (`where`)."""
 
     path: str
     component: str
@@ -84,14 +84,26 @@ def _of_component(path: str, component: Component) -> ComponentEquations:
     names = [n for n, (d, _) in type(component).declarations.items() if d.role in ("parameter", "shared")]
     twin = symbolic_twin(component, {name: ca.SX.sym(name) for name in names})
     pairs = [(ca.SX(left), ca.SX(right)) for left, right in twin.equations(Equations(flat, path, ports))]
+    jumps = [
+        (event.indicator, target.removeprefix(own), value)
+        for event in flat.events.values()
+        for target, value in event.resets
+    ]
     sides = [side for pair in pairs for side in pair]
+    sides += [side for indicator, _, value in jumps for side in (indicator, value)]
     reader = Reader(sides, own)
     cut = {node: f"s{i}" for i, node in enumerate(reader.named(), start=1)}
 
     lines = []
-    for left, right in zip(reader.roots[::2], reader.roots[1::2], strict=True):
+    laws = reader.roots[: 2 * len(pairs)]
+    for left, right in zip(laws[::2], laws[1::2], strict=True):
         formula = f"{latex(reader, left, cut)} = {latex(reader, right, cut)}"
         lines.append(Line(text(reader, left, cut), text(reader, right, cut), formula))
+    for i, (_, target, _) in enumerate(jumps):
+        indicator, value = reader.roots[2 * (len(pairs) + i) :][:2]
+        formula = rf"\text{{when }} {latex(reader, indicator, cut)} > 0:\quad {symbol_latex(target)}"
+        formula += f" = {latex(reader, value, cut)}"
+        lines.append(Line(f"when {text(reader, indicator, cut)} > 0: {target}", text(reader, value, cut), formula))
     where = []
     for node, name in cut.items():
         formula = f"{symbol_latex(name)} = {latex(reader, node, cut, whole=True)}"

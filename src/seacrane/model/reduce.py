@@ -6,8 +6,8 @@ differential-algebraic systems, SIAM J. Sci. Stat. Comput. 9, 1988), and then on
 ordinary unknown, its derivative with it (Mattsson and Soederlind, Index reduction in differential-algebraic equations
 using dummy derivatives, SIAM J. Sci. Comput. 14, 1993).
 
-Which state stays is chosen once, when the diagram is compiled: one with a start value other than zero rather than one
-without, then the first in the diagram.
+Which state stays is chosen once, when the diagram is compiled: one that an event sets rather than another, one with a
+start value other than zero rather than one without, then the first in the diagram.
 """
 
 from __future__ import annotations
@@ -220,11 +220,15 @@ class _Reduction:
         return dummies
 
     def _reluctance(self, derivative: str) -> tuple[int, int]:
-        """The order in which states are given up: what is no state; states that start at zero; the later ones first."""
+        """The order in which states are given up: what is no state; those that start at zero; others; those that events
+        set; of each the later ones first.
+        """
         name = self.down[derivative]
         if name not in self.flat.states:
             return 0, 0
         position = list(self.flat.states).index(name)
+        if any(name == target for event in self.flat.events.values() for target, _ in event.resets):
+            return 3, -position
         return (2 if self.flat.states[name][0].start != 0 else 1), -position
 
     def _ties(self, kept: set[str]) -> tuple[Tie, ...]:

@@ -18,7 +18,7 @@ from .classical import BDF, LSODA, Adams, Radau
 from .dae import Dae
 from .diagram import Diagram
 from .failure import doubts
-from .native import NativeModel, build
+from .native import Happening, NativeModel, build
 from .solvers import (
     RODAS4,
     ExplicitEuler,
@@ -53,11 +53,13 @@ class Run(Recording):
     """What a run of a model has given, and what it has cost.
 
     `doubts` tells where it left the range of its laws: a cylinder beyond its stroke, a pressure below vacuum. Only what
-    was recorded is looked at.
+    was recorded is looked at. `events` are what has happened, and when (of more than 256 in a hundredth of the run, the
+    last 256).
     """
 
     statistics: RunStatistics | None = None
     doubts: tuple[Problem, ...] = ()
+    events: tuple[Happening, ...] = ()
 
 
 def simulate(
@@ -121,7 +123,7 @@ def simulate(
     }
     done = times[: len(outcome.values)]
     seen = dict(zip(names, outcome.values.T, strict=True))
-    run = Run(done, signals, outcome.statistics, tuple(doubts(native.dae, done, seen, task.constants)))
+    run = Run(done, signals, outcome.statistics, tuple(doubts(native.dae, done, seen, task.constants)), outcome.events)
     if outcome.error is not None:
         outcome.error.results = run
         raise outcome.error

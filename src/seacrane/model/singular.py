@@ -45,7 +45,7 @@ def start_point(dae: Dae) -> Point:
     """The start values of all variables."""
     x, z, u, p = (
         np.array([v.start for v in group], dtype=np.float64)
-        for group in (dae.states, dae.algebraics, dae.inputs, dae.parameters)
+        for group in (dae.states, dae.algebraics, dae.inputs, dae.constants)
     )
     return Point(0.0, x, z, u, p)
 

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from seacrane.errors import ParameterError, SolveError
 
 from .failure import Stop, explained
-from .native import NativeInstance, NativeModel
+from .native import Happening, NativeInstance, NativeModel
 from .singular import Point
 
 Reals = NDArray[np.float64]
@@ -84,7 +84,7 @@ class Task:
     def point(self, instance: NativeInstance, time: float) -> Point:
         """Where the instance stands. Algebraic unknowns that have no solution there are told by their start values."""
         dae = self.native.dae
-        x, u, p = (instance.get([v.name for v in group]) for group in (dae.states, dae.inputs, dae.parameters))
+        x, u, p = (instance.get([v.name for v in group]) for group in (dae.states, dae.inputs, dae.constants))
         try:
             z = instance.get([v.name for v in dae.algebraics])
         except SolveError:
@@ -102,11 +102,12 @@ class Task:
 
 @dataclass(frozen=True)
 class Outcome:
-    """Values of the recorded variables at the times that were reached, and the error if those are not all."""
+    """Values of the recorded variables at the times that were reached, the error if those are not all, and events."""
 
     values: Reals
     statistics: RunStatistics
     error: SolveError | None = None
+    events: tuple[Happening, ...] = ()
 
 
 class Solver(Protocol):
@@ -133,6 +134,8 @@ class _InCore:
 
     def run(self, task: Task) -> Outcome:
         parts: list[Reals] = []
+        events: list[Happening] = []
+        seen = 0
         error: SolveError | None = None
         with task.start() as instance:
             self.prepare(instance, task)
@@ -147,6 +150,8 @@ class _InCore:
                     error = failure
                     parts.append(failure.results)
                 spent += time.process_time() - begun
+                seen, latest = instance.events(seen)
+                events += latest
                 if error is not None:
                     here, rows = task.point(instance, instance.time), np.concatenate(parts)
                     error = task.explained(error, here, implicit=self.implicit, rows=rows)
@@ -155,7 +160,7 @@ class _InCore:
             s = instance.statistics
             reached = instance.time - float(task.times[0])
         statistics = RunStatistics(self.name, s.steps, s.rejected, s.residuals, s.jacobians, spent, reached)
-        return Outcome(np.concatenate(parts), statistics, error)
+        return Outcome(np.concatenate(parts), statistics, error, tuple(events))
 
 
 @dataclass(frozen=True)

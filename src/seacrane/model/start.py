@@ -33,7 +33,7 @@ def with_solved_start(dae: Dae) -> Dae:
     if not dae.algebraics:
         return dae
     function = ca.Function("g", [dae.t, dae.x, dae.z, dae.u, dae.p], [dae.alg, ca.densify(ca.jacobian(dae.alg, dae.z))])
-    x, u, p = starts(dae.states), starts(dae.inputs), starts(dae.parameters)
+    x, u, p = starts(dae.states), starts(dae.inputs), starts(dae.constants)
     nominal = np.array([v.nominal for v in dae.algebraics])
 
     def residual(z: Reals) -> tuple[Reals, Reals]:
@@ -55,7 +55,7 @@ def contradictions(dae: Dae, demoted: Sequence[Variable], ties: Sequence[Tie]) -
         return
     names = [v.name for v in dae.algebraics + dae.observables]
     values = ca.Function("v", [dae.t, dae.x, dae.z, dae.u, dae.p], [ca.vertcat(dae.z, dae.obs)])(
-        0.0, starts(dae.states), starts(dae.algebraics), starts(dae.inputs), starts(dae.parameters)
+        0.0, starts(dae.states), starts(dae.algebraics), starts(dae.inputs), starts(dae.constants)
     )
     found = dict(zip(names, np.asarray(values).ravel(), strict=True))
     for v in given:

@@ -60,9 +60,10 @@ def trim(
 
     The model is followed in pseudo-time by a linearly implicit Euler method whose steps grow as it comes to rest
     (pseudo-transient continuation; Kelley and Keyes, SIAM J. Numer. Anal. 35, 1998), so that of several steady states
-    it finds one that the machine would settle to. Nothing is compiled to C.
+    it finds one that the machine would settle to. Nothing is compiled to C. Modes stay as they start.
 
-    Raises `ParameterError` for an unknown name, `SolveError` with the states that do not settle.
+    Raises `ParameterError` for an unknown name, `SolveError` with the states that do not settle, or with the events by
+    which it would leave these modes.
     """
     dae = model.compile() if isinstance(model, Diagram) else model
     return _Trimming(dae, dict(inputs or {}), dict(parameters or {}), tuple(hold)).run()
@@ -72,7 +73,7 @@ class _Trimming:
     def __init__(self, dae: Dae, inputs: dict[str, float], parameters: dict[str, float], hold: tuple[str, ...]) -> None:
         self.dae = dae
         states = [v.name for v in dae.states]
-        settable = [v.name for v in dae.states + dae.algebraics + dae.parameters]
+        settable = [v.name for v in dae.states + dae.algebraics + dae.constants]
         problems = [*_unknown(dae, inputs, [v.name for v in dae.inputs], "input")]
         problems += _unknown(dae, parameters, settable, "parameter or state")
         problems += _unknown(dae, hold, states, "state")
@@ -84,7 +85,7 @@ class _Trimming:
         if problems:
             raise ParameterError(problems)
         self.u = _given(dae.inputs, inputs)
-        self.p = _given(dae.parameters, parameters)
+        self.p = _given(dae.constants, parameters)
         self.x, self.z = _given(dae.states, parameters), _given(dae.algebraics, parameters)
         self.nominal = np.array([v.nominal for v in dae.states + dae.algebraics])
         self.scale = self.nominal[: len(states)] + np.abs(self.x)
@@ -127,6 +128,7 @@ class _Trimming:
             y, f, jacobian = trial, f_trial, jacobian_trial
             at_rest = np.all(np.abs(f[settling]) <= STILL * self.scale[settling])
             if at_rest and change <= 1e-8:
+                self._refuse_events(y)
                 return self._result(dae, y, f, n)
             step = min(step * min(10.0, max(1.5, 0.2 / max(change, 1e-12))), 1e12)
         raise self._unsettled(y, f, settling)
@@ -164,6 +166,23 @@ class _Trimming:
             {v.name: float(value) for v, value in zip(dae.outputs + dae.observables, values, strict=True)},
             moving,
         )
+
+    def _refuse_events(self, y: Reals) -> None:
+        """Raises if an event would take the model out of the modes in which it has been trimmed."""
+        dae, n = self.dae, len(self.dae.states)
+        now = dict(zip([v.name for v in dae.states + dae.modes], [*y[:n], *self.p[len(dae.parameters) :]], strict=True))
+        arguments = [dae.t, dae.x, dae.z, dae.u, dae.p]
+        problems = []
+        for event in dae.events:
+            jump = ca.Function("jump", arguments, [ca.vertcat(event.indicator, *event.resets.values())])
+            indicator, *values = np.asarray(jump(0.0, y[:n], y[n:], self.u, self.p)).ravel()
+            if indicator > 0 and any(value != now[name] for name, value in zip(event.resets, values, strict=True)):
+                modes = [v.name for v in dae.modes if v.name in event.resets]
+                hint = f"Start it in the other mode: parameters={{{modes[0]!r}: ...}}." if modes else None
+                told = "has happened before the model comes to rest in the modes that it starts in"
+                problems.append(Problem(event.name, told, hint=hint))
+        if problems:
+            raise SolveError(problems)
 
     def _not_finite(self, f: Reals) -> SolveError:
         names = [v.name for v in self.dae.states + self.dae.algebraics]

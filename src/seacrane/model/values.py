@@ -28,7 +28,7 @@ def settings(diagram: Diagram, dae: Dae, texts: Mapping[str, str]) -> dict[str, 
     A number without a unit is SI. `ParameterError` names every unknown name, wrong unit and value out of bounds.
     """
     declared = _declarations(diagram)
-    variables = {v.name: v for v in dae.parameters + dae.inputs + dae.states}
+    variables = {v.name: v for v in dae.constants + dae.inputs + dae.states}
     values: dict[str, float] = {}
     problems: list[Problem] = []
     for name, text in texts.items():

@@ -13,7 +13,7 @@
 enum phase { INSTANTIATED, INITIALIZING, STEPPING, TERMINATED, EVENT, CONTINUOUS };
 
 #define STATE_MAGIC 0x52434153u /* "SACR" */
-#define STATE_VERSION 2u
+#define STATE_VERSION 3u
 
 struct state {
     uint32_t magic, version, size, unused; /* these and the hash tell whose state this is */
@@ -21,12 +21,19 @@ struct state {
     double time, next_step;           /* [s]; the step size the solver would like next */
     double y[ROOM(N)];                /* states, then algebraic unknowns */
     double u[ROOM(NU)];               /* inputs at `time` */
-    double slope[ROOM(NU)];           /* their time derivatives, until they are set again */
-    double p[ROOM(NP)];
+    double slope[ROOM(NU)], curvature[ROOM(NU)]; /* their first and second time derivatives */
+    double p[NP + ROOM(NM)];          /* parameters, then modes */
     double setting[NSETTINGS];
-    int32_t phase, sloped, consistent; /* consistent: z solves the algebraic equations */
-    int32_t exchange;                  /* an instance for model exchange: integrated by the environment */
+    double crowd_since;               /* [s]; start of the time over which events are counted to tell chattering */
+    int32_t crowd;
+    int32_t phase, consistent;        /* consistent: z solves the algebraic equations */
+    int32_t sloped;                   /* enum ramp */
+    int32_t exchange;                 /* an instance for model exchange: integrated by the environment */
+    int32_t above[ROOM(NE)];          /* whether the indicator of an event is above zero */
 };
+
+/* A ramp that a communication step has used up is not continued, but still tells how fast its inputs came to its end. */
+enum ramp { CONSTANT, RAMPED, USED_UP };
 
 struct statistics {
     uint64_t steps, rejected, residuals, jacobians, factorizations;
@@ -39,12 +46,22 @@ struct factors { /* row i of L is value[lower[i]...upper[i]), of U without its d
     double value[ROOM(N) * ROOM(N)], reciprocal[ROOM(N)];
 };
 
+#define KEPT_EVENTS 256
+struct events { /* the last ones that have happened; the k-th of all is at k % KEPT_EVENTS */
+    uint64_t count;
+    double time[KEPT_EVENTS];
+    int32_t index[KEPT_EVENTS];
+};
+
 struct workspace {
     double matrix[ROOM(N) * ROOM(N)]; /* row-major, in the order of elimination */
     double jacobian[ROOM(NZ) * ROOM(NZ)]; /* dalg/dz, while newton.c works with another matrix */
     struct factors factors;
     double f[ROOM(N)], ft[ROOM(N)], stage[6][ROOM(N)], trial[ROOM(N)], error[ROOM(N)];
     double rate[ROOM(N)], ordered[ROOM(N)], u[ROOM(NU)];
+    double start[ROOM(N)], start_u[2 * ROOM(NU)], k[ROOM(N)], sum[ROOM(N)]; /* of explicit.c */
+    double indicator[ROOM(NE)], due[ROOM(NE)], after[NX + ROOM(NM)]; /* of events.c */
+    double between[ROOM(N)], course[5][ROOM(NE)];                   /* within a step, of integrate.c */
     double nonzeros[ROOM(NNZ)], nonzeros_alg[ROOM(NNZ_ALG)];
     double dy[ROOM(N)], du[ROOM(NU)], dp[ROOM(NP)], df[ROOM(N)], doutput[ROOM(NY)]; /* a direction, and derivatives along it */
     int pivot[ROOM(N)];
@@ -64,11 +81,12 @@ struct lookup { /* the value references of the last call, resolved: a master ask
 
 struct instance {
     struct state state;
-    double derivative[ROOM(N)], output[ROOM(NY)], observable[ROOM(NW)];
+    double derivative[ROOM(N)], output[ROOM(NY)], observable[ROOM(NW)], indicator[ROOM(NE)];
     uint32_t fresh; /* bit per kind: which of the above belong to `state` */
     double *base[KINDS];
     struct lookup get, set;
     struct statistics statistics;
+    struct events events;
     int explicit_order; /* 0: implicit, as the settings say; 1: Euler; 4: Runge-Kutta */
     double explicit_step;
     struct workspace work;
@@ -90,10 +108,13 @@ int fail(struct instance *m, const char *format, ...); /* records the message; r
 
 /* evaluate.c */
 const double *inputs_at(struct instance *m, double t);
+void move_to(struct instance *m, double t);
 void evaluate_residual(struct instance *m, double t, const double *y, double *f);
 void evaluate_jacobian(struct instance *m, double t, const double *y);
 void evaluate_algebraic(struct instance *m, double t, const double *y, double *alg, double *matrix);
 int evaluate_directional(struct instance *m, double dt);
+void evaluate_indicators(struct instance *m, double t, const double *y, double *indicator);
+void evaluate_reset(struct instance *m, const double *due, double *after);
 int refresh(struct instance *m, uint32_t kinds);
 
 /* linear.c */
@@ -105,15 +126,25 @@ void lu_solve_compressed(const struct factors *f, const int *pivot, double *b);
 /* newton.c, integrate.c */
 int solve_algebraic(struct instance *m);
 int integrate(struct instance *m, double end);
+void advance_to(struct instance *m, double t);
 
 /* explicit.c */
 int integrate_explicitly(struct instance *m, double end);
+
+/* events.c */
+typedef int attempt(struct instance *m, double h); /* a step of size h from the present point into work.trial */
+#define MARGIN 1e-12 /* by which an indicator must rise above zero, so that it is not at zero after its event */
+double margin(const struct instance *m, int event);
+int shorten_to_event(struct instance *m, attempt *step, double *h);
+int settle(struct instance *m);
+int due_at(struct instance *m, double t, const double *y);
 
 /* values.c */
 const struct variable *find_variable(uint32_t reference);
 int get_values(struct instance *m, const uint32_t *reference, size_t count, double *value);
 int set_values(struct instance *m, const uint32_t *reference, size_t count, const double *value);
-int set_slopes(struct instance *m, const uint32_t *reference, size_t count, const double *value);
+int set_slopes(struct instance *m, const uint32_t *reference, size_t count, const int32_t *order, const double *value);
+void end_ramps(struct instance *m);
 INSIDE_END
 
 #endif

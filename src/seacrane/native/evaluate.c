@@ -3,15 +3,29 @@
 
 #include <string.h>
 
-/* The inputs at time t, along their slopes if they have any. */
+/* The inputs at time t, along their ramps if they have any. */
 const double *inputs_at(struct instance *m, double t)
 {
     const struct state *s = &m->state;
-    if (!s->sloped)
+    double h = t - s->time;
+    if (s->sloped != RAMPED || h == 0)
         return s->u;
     for (int i = 0; i < NU; i++)
-        m->work.u[i] = s->u[i] + s->slope[i] * (t - s->time);
+        m->work.u[i] = s->u[i] + h * (s->slope[i] + h / 2 * s->curvature[i]);
     return m->work.u;
+}
+
+/* Moves the time to t, taking the inputs along. */
+void move_to(struct instance *m, double t)
+{
+    struct state *s = &m->state;
+    double h = t - s->time;
+    if (s->sloped == RAMPED)
+        for (int i = 0; i < NU; i++) {
+            s->u[i] += h * (s->slope[i] + h / 2 * s->curvature[i]);
+            s->slope[i] += h * s->curvature[i];
+        }
+    s->time = t;
 }
 
 static void call(struct instance *m, model_function *function, const double *t, const double *y, const double *u)
@@ -40,7 +54,7 @@ void evaluate_jacobian(struct instance *m, double t, const double *y)
     w->result[1] = w->nonzeros;
     w->result[2] = w->ft;
     call(m, model_jacobian, &t, y, u);
-    if (m->state.sloped) {
+    if (m->state.sloped == RAMPED) {
         w->argument[4] = m->state.slope;
         w->result[0] = w->rate;
         call(m, model_input_rate, &t, y, u);
@@ -62,6 +76,21 @@ void evaluate_algebraic(struct instance *m, double t, const double *y, double *a
         for (int k = 0; k < NNZ_ALG; k++)
             matrix[model_row_alg[k] * NZ + model_column_alg[k]] = w->nonzeros_alg[k];
     }
+}
+
+/* One for each event. */
+void evaluate_indicators(struct instance *m, double t, const double *y, double *indicator)
+{
+    m->work.result[0] = indicator;
+    call(m, model_indicate, &t, y, inputs_at(m, t));
+}
+
+/* States, then modes, after the events that are `due` (not zero) at the present point. */
+void evaluate_reset(struct instance *m, const double *due, double *after)
+{
+    m->work.argument[4] = due;
+    m->work.result[0] = after;
+    call(m, model_reset, &m->state.time, m->state.y, m->state.u);
 }
 
 static void tangent(struct instance *m, const double *dt)
@@ -114,6 +143,11 @@ int refresh(struct instance *m, uint32_t kinds)
     if (kinds & 1u << OBSERVABLE) {
         m->work.result[0] = m->observable;
         call(m, model_observe, &s->time, s->y, s->u);
+    }
+    if (kinds & 1u << INDICATOR) {
+        evaluate_indicators(m, s->time, s->y, m->indicator);
+        for (int i = 0; i < NE; i++)
+            m->indicator[i] -= margin(m, i);
     }
     return 0;
 }

@@ -8,22 +8,12 @@
 #include <math.h>
 #include <string.h>
 
-/* Moves time to t, taking the inputs along. */
-static void move(struct instance *m, double t)
-{
-    struct state *s = &m->state;
-    if (s->sloped)
-        for (int i = 0; i < NU; i++)
-            s->u[i] += s->slope[i] * (t - s->time);
-    s->time = t;
-}
-
-/* The states become `start` + h k, at time t. */
-static void go(struct instance *m, double t, const double *start, double h, const double *k)
+/* The states become those at the start of the step + h k, at time t. */
+static void go(struct instance *m, double t, double h, const double *k)
 {
     for (int i = 0; i < NX; i++)
-        m->state.y[i] = start[i] + h * k[i];
-    move(m, t);
+        m->state.y[i] = m->work.start[i] + h * k[i];
+    move_to(m, t);
     changed(m);
 }
 
@@ -36,28 +26,28 @@ static int slopes(struct instance *m, double *k)
     return 0;
 }
 
-static int euler(struct instance *m, double h, const double *start, double *k)
+static int euler(struct instance *m, double h)
 {
-    if (slopes(m, k) != 0)
+    if (slopes(m, m->work.k) != 0)
         return 1;
-    go(m, m->state.time + h, start, h, k);
+    go(m, m->state.time + h, h, m->work.k);
     return 0;
 }
 
-static int runge_kutta(struct instance *m, double h, const double *start, double *k, double *sum)
+static int runge_kutta(struct instance *m, double h)
 {
     static const double reach[] = {0, 0.5, 0.5, 1}, weight[] = {1, 2, 2, 1};
-    double t = m->state.time;
+    double t = m->state.time, *k = m->work.k, *sum = m->work.sum;
     memset(sum, 0, NX * sizeof(double));
     for (int j = 0; j < 4; j++) {
         if (j > 0)
-            go(m, t + reach[j] * h, start, reach[j] * h, k);
+            go(m, t + reach[j] * h, reach[j] * h, k);
         if (slopes(m, k) != 0)
             return 1;
         for (int i = 0; i < NX; i++)
             sum[i] += weight[j] / 6 * k[i];
     }
-    go(m, t + h, start, h, sum);
+    go(m, t + h, h, sum);
     return 0;
 }
 
@@ -71,29 +61,52 @@ static const char *first_not_finite(const struct instance *m)
     return NULL;
 }
 
-/* From the present time to `end` in equal steps not longer than asked; on failure at the last good point. */
+/* The stages move the instance itself, which then goes back to where it was. */
+static int explicit_step(struct instance *m, double h)
+{
+    struct state *s = &m->state;
+    struct workspace *w = &m->work;
+    double before = s->time;
+    if (!s->consistent && solve_algebraic(m) != 0)
+        return 1;
+    memcpy(w->start, s->y, N * sizeof(double));
+    memcpy(w->start_u, s->u, NU * sizeof(double));
+    memcpy(w->start_u + NU, s->slope, NU * sizeof(double));
+    int failed = m->explicit_order == 1 ? euler(m, h) : runge_kutta(m, h);
+    const char *culprit = first_not_finite(m);
+    if (culprit != NULL)
+        failed = fail(m, "%s is not finite after the step of %.3g s from t = %.9g s: too long a step for an explicit "
+                         "method", culprit, h, before);
+    if (!failed && NE > 0) /* indicators may depend on algebraic unknowns */
+        failed = solve_algebraic(m);
+    memcpy(w->trial, s->y, N * sizeof(double));
+    memcpy(s->y, w->start, N * sizeof(double));
+    memcpy(s->u, w->start_u, NU * sizeof(double));
+    memcpy(s->slope, w->start_u + NU, NU * sizeof(double));
+    s->time = before;
+    s->consistent = 1;
+    m->fresh = 0;
+    return failed;
+}
+
+/* From the present time to `end` in equal steps not longer than asked, but for events; on failure at the last good
+   point. */
 int integrate_explicitly(struct instance *m, double end)
 {
     struct state *s = &m->state;
-    double *start = m->work.stage[3], *k = m->work.stage[4], *sum = m->work.stage[5]; /* solve_algebraic has the others */
     double from = s->time, count = fmax(1, ceil((end - from) / m->explicit_step - 1e-6));
-    for (double i = 1; i <= count; i++) {
-        double before = s->time, h = (i < count ? from + i * ((end - from) / count) : end) - before;
-        memcpy(start, s->y, N * sizeof(double));
-        int failed = m->explicit_order == 1 ? euler(m, h, start, k) : runge_kutta(m, h, start, k, sum);
-        const char *culprit = first_not_finite(m);
-        if (culprit != NULL)
-            failed = fail(m, "%s is not finite after the step of %.3g s from t = %.9g s: too long a step for an explicit "
-                             "method", culprit, h, before);
-        if (failed) {
-            memcpy(s->y, start, N * sizeof(double));
-            move(m, before);
-            changed(m);
+    for (double i = 1; i <= count;) {
+        double next = i < count ? from + i * ((end - from) / count) : end, h = next - s->time;
+        if (explicit_step(m, h) != 0)
             return 1;
-        }
-        if (i == count)
-            s->time = end;
-        m->statistics.steps++;
+        int event = NE > 0 ? shorten_to_event(m, explicit_step, &h) : 0;
+        if (event < 0)
+            return 1;
+        advance_to(m, event ? s->time + h : next);
+        s->consistent = NZ == 0 || NE > 0;
+        if (event && settle(m) != 0)
+            return 1;
+        i += s->time >= next;
     }
     return 0;
 }

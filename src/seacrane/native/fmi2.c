@@ -198,11 +198,14 @@ EXPORT fmi2Status fmi2EnterEventMode(fmi2Component c)
     return answer(c, move_on(c, __func__, EXCHANGING, EVENT));
 }
 
-/* The model has no discrete states: nothing changes at an event but what the environment sets. */
+/* All events that are due happen in this one call. */
 EXPORT fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info)
 {
+    int happened = 0;
     memset(info, 0, sizeof *info);
-    return answer(c, move_on(c, __func__, WHEN(EVENT), EVENT));
+    int outcome = update_discrete_states(c, __func__, &happened);
+    info->valuesOfContinuousStatesChanged = happened;
+    return answer(c, outcome);
 }
 
 EXPORT fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c)
@@ -245,19 +248,13 @@ EXPORT fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivative[], siz
 
 EXPORT fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real indicator[], size_t count)
 {
-    (void)indicator;
-    if (count > 0)
-        fail(c, "the model has no event indicators");
-    return answer(c, count == 0 ? DONE : FAILED);
+    return answer(c, get_indicators(c, __func__, indicator, count));
 }
 
 EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                                               const fmi2Integer order[], const fmi2Real value[])
 {
-    int wrong = 0;
-    for (size_t i = 0; i < count; i++)
-        wrong = wrong || (order[i] != 1 && fail(c, "inputs are interpolated to first order only"));
-    return answer(c, wrong || set_slopes(c, vr, count, value) != 0 ? FAILED : DONE);
+    return answer(c, input_derivatives(c, __func__, vr, count, order, value));
 }
 
 EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t count,

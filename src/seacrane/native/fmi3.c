@@ -335,7 +335,7 @@ EXPORT fmi3Status fmi3GetOutputDerivatives(fmi3Instance c, const fmi3ValueRefere
     return answer(c, wrong_size(c, count, values) ? FAILED : output_derivatives(c, __func__, vr, count, order, value));
 }
 
-/* The model has no discrete states: nothing changes at an event but what the environment sets. */
+/* Discrete states change by events only, so there is nothing to be evaluated before they are updated. */
 EXPORT fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance c)
 {
     return answer(c, misplaced(c, __func__, WHEN(INITIALIZING) | WHEN(EVENT)) ? FAILED : DONE);
@@ -345,9 +345,12 @@ EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *needed, 
                                            fmi3Boolean *nominals_changed, fmi3Boolean *values_changed,
                                            fmi3Boolean *next_defined, fmi3Float64 *next)
 {
-    *needed = *terminate = *nominals_changed = *values_changed = *next_defined = false;
+    int happened = 0;
+    *needed = *terminate = *nominals_changed = *next_defined = false;
     *next = 0;
-    return answer(c, move_on(c, __func__, WHEN(EVENT), EVENT));
+    int outcome = update_discrete_states(c, __func__, &happened); /* all that are due, so no more is needed */
+    *values_changed = happened != 0;
+    return answer(c, outcome);
 }
 
 EXPORT fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c)
@@ -390,14 +393,13 @@ EXPORT fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance c, fmi3Float64 
 
 EXPORT fmi3Status fmi3GetEventIndicators(fmi3Instance c, fmi3Float64 indicator[], size_t count)
 {
-    (void)indicator;
-    return count == 0 ? fmi3OK : absent(c, "event indicators");
+    return answer(c, get_indicators(c, __func__, indicator, count));
 }
 
 EXPORT fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance c, size_t *count)
 {
     (void)c;
-    *count = 0;
+    *count = NE;
     return fmi3OK;
 }
 

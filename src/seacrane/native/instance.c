@@ -26,10 +26,12 @@ struct instance *instance_new(const char *name, int exchange)
     m->base[ALGEBRAIC] = m->state.y + NX;
     m->base[INPUT] = m->state.u;
     m->base[PARAMETER] = m->state.p;
+    m->base[MODE] = m->state.p + NP;
     m->base[SETTING] = m->state.setting;
     m->base[DERIVATIVE] = m->derivative;
     m->base[OUTPUT] = m->output;
     m->base[OBSERVABLE] = m->observable;
+    m->base[INDICATOR] = m->indicator;
     m->base[TIME] = &m->state.time;
     m->state.exchange = exchange;
     instance_reset(m);
@@ -57,10 +59,12 @@ void instance_reset(struct instance *m)
     memcpy(s->y, model_start_y, N * sizeof(double));
     memcpy(s->u, model_start_u, NU * sizeof(double));
     memcpy(s->p, model_start_p, NP * sizeof(double));
+    memcpy(s->p + NP, model_start_m, NM * sizeof(double));
     s->setting[TOLERANCE] = DEFAULT_TOLERANCE;
     s->next_step = FIRST_STEP;
     s->phase = INSTANTIATED;
     memset(&m->statistics, 0, sizeof m->statistics);
+    m->events.count = 0;
     m->message[0] = '\0';
     changed(m);
 }

@@ -13,6 +13,8 @@
 
 #define STAGES 6
 #define GAMMA 0.25
+#define BENT 0.01  /* of an indicator between points of its course, against the cubic through them */
+#define SHORT 1e-4 /* [s]; within this time an indicator may jump */
 #define MOST_STEPS 1000000 /* in one call; beyond it the model is chattering, and a run would seem to hang */
 
 static const double A[STAGES][STAGES - 1] = {
@@ -32,6 +34,10 @@ static const double C[STAGES][STAGES - 1] = {
     {8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054},
 };
 static const double ALPHA[STAGES] = {0, 0.386, 0.21, 0.63, 1, 1};
+static const double DENSE[2][STAGES - 1] = {
+    {10.12623508344586, -7.487995877610167, -34.80091861555747, -7.992771707568823, 1.025137723295662},
+    {-0.6762803392806887, 6.087714651680015, 16.43084320892478, 24.76722511418386, -6.594389125716872},
+};
 static const double DELTA[STAGES] = {0.25, -0.1043, 0.1035, -0.0362000000000023, 0, 0};
 
 /* M/(h gamma) - df/dy, factored; 1 if singular. */
@@ -65,10 +71,11 @@ static void solve(struct instance *m, double *b)
         b[i] = w->ordered[model_place[i]];
 }
 
-/* One step from y with the Jacobian in the workspace; new values into `trial`, estimated error into `error`. */
-static int rodas_step(struct instance *m, double t, double h, const double *y)
+/* One step with the Jacobian in the workspace; new values into `trial`, estimated error into `error`. */
+static int rodas_step(struct instance *m, double h)
 {
     struct workspace *w = &m->work;
+    const double *y = m->state.y, t = m->state.time;
     if (factor(m, 1 / (h * GAMMA)) != 0)
         return 1;
     for (int stage = 0; stage < STAGES; stage++) {
@@ -95,6 +102,65 @@ static int rodas_step(struct instance *m, double t, double h, const double *y)
         w->trial[i] += w->error[i];
     }
     return 0;
+}
+
+/* The solution at a share of the step that has been tried, to third order. */
+static const double *within(struct instance *m, double share)
+{
+    struct workspace *w = &m->work;
+    double rest = 1 - share;
+    for (int i = 0; i < N; i++) {
+        double second = 0, third = 0;
+        for (int j = 0; j < STAGES - 1; j++) {
+            second += DENSE[0][j] * w->stage[j][i];
+            third += DENSE[1][j] * w->stage[j][i];
+        }
+        w->between[i] = rest * m->state.y[i] + share * (w->trial[i] + rest * (second + share * third));
+    }
+    return w->between;
+}
+
+#define POINTS 5
+static const double POINT[POINTS] = {0, 0.171, 0.437, 0.729, 1}; /* not evenly spaced, lest an oscillation is not seen */
+
+/* The value at `share` of the step of the polynomial through the course of an indicator, of all points but one. */
+static double interpolated(struct instance *m, int event, double share, int without)
+{
+    double sum = 0;
+    for (int i = 0; i < POINTS; i++) {
+        double weight = i != without;
+        for (int j = 0; j < POINTS; j++)
+            if (j != i && j != without)
+                weight *= (share - POINT[j]) / (POINT[i] - POINT[j]);
+        sum += weight * m->work.course[i][event];
+    }
+    return sum;
+}
+
+/* How much of the step that has been tried should be taken so that no event passes unseen: all of it, the share at which
+   an indicator is seen to have risen above zero, or fallen from there, as it may not be at the end, or nothing if the
+   course of an indicator cannot be told from a few points of it. */
+static double share_to_take(struct instance *m, double h)
+{
+    struct workspace *w = &m->work;
+    const struct state *s = &m->state;
+    for (int k = 0; k < POINTS; k++) {
+        const double *y = k == 0 ? s->y : k == POINTS - 1 ? w->trial : within(m, POINT[k]);
+        evaluate_indicators(m, s->time + POINT[k] * h, y, w->course[k]);
+    }
+    for (int i = 0; i < NE; i++)
+        for (int k = 1; k < POINTS - 1 && h > SHORT; k++)
+            if (fabs(interpolated(m, i, POINT[k], k) - w->course[k][i]) > BENT)
+                return 0;
+    for (int k = 1; k < POINTS - 1; k++)
+        for (int i = 0; i < NE; i++)
+            if (s->above[i] ? !(w->course[k][i] > 0) : w->course[k][i] > MARGIN)
+                return POINT[k];
+    for (int i = 0; i < NE; i++)
+        for (double share = 0.05; share < 1 && !s->above[i]; share += 0.05)
+            if (interpolated(m, i, share, -1) > 0 && due_at(m, s->time + share * h, within(m, share)))
+                return share;
+    return 1;
 }
 
 /* Root mean square of the error relative to tolerance; infinite if anything is not finite. `culprit` gets the index
@@ -138,14 +204,10 @@ static int first_not_finite(const double *f)
 }
 
 /* Moves time on to t, taking the inputs along, and makes the trial values the present ones. */
-static void accept(struct instance *m, double t)
+void advance_to(struct instance *m, double t)
 {
-    struct state *s = &m->state;
-    if (s->sloped)
-        for (int i = 0; i < NU; i++)
-            s->u[i] += s->slope[i] * (t - s->time);
-    memcpy(s->y, m->work.trial, N * sizeof(double));
-    s->time = t;
+    move_to(m, t);
+    memcpy(m->state.y, m->work.trial, N * sizeof(double));
     m->fresh = 0;
     m->statistics.steps++;
 }
@@ -161,7 +223,7 @@ static int adaptive(struct instance *m, double end)
 {
     struct state *s = &m->state;
     double least = fmax(1e-14, 16 * DBL_EPSILON * fmax(fabs(s->time), fabs(end)));
-    int known = 0, rejected = 0, culprit = 0;
+    int known = 0, rejected = 0, culprit = 0, event = 0;
     for (int count = 0; s->time < end; count++) {
         double left = end - s->time, h = s->next_step, scale;
         int last = 1.01 * h >= left;
@@ -177,13 +239,31 @@ static int adaptive(struct instance *m, double end)
                             name_of(culprit));
             known = 1;
         }
-        int singular = rodas_step(m, s->time, h, s->y);
+        int singular = rodas_step(m, h);
         double error = singular ? HUGE_VAL : error_norm(m, &culprit);
         if (error <= 1) {
-            scale = fmin(rejected ? 1 : 5, growth(fmax(error, 1e-10)));
-            accept(m, last ? end : s->time + h);
+            scale = fmin(rejected ? 1 : NE > 0 ? 2 : 5, growth(fmax(error, 1e-10)));
+            double share = NE > 0 ? share_to_take(m, h) : 1;
+            if (share == 0) {
+                s->next_step = h / 2;
+                rejected = 1;
+                m->statistics.rejected++;
+                continue;
+            }
             s->next_step = last ? fmax(s->next_step, h * scale) : h * scale;
+            if (NE > 0) {
+                double whole = h;
+                last &= share == 1;
+                h *= share;
+                if ((share < 1 && rodas_step(m, h) != 0) || (event = shorten_to_event(m, rodas_step, &h)) < 0)
+                    return fail(m, "the matrix of the solver is singular after t = %.9g s, on the way to an event", s->time);
+                if (h < whole)
+                    s->next_step = fmin(s->next_step, whole);
+            }
+            advance_to(m, last && !event ? end : s->time + h);
             known = rejected = 0;
+            if (event && settle(m) != 0)
+                return 1;
         } else {
             scale = error < HUGE_VAL ? fmax(0.1, growth(error)) : 0.1;
             s->next_step = h * scale;
@@ -203,25 +283,38 @@ static int adaptive(struct instance *m, double end)
     return 0;
 }
 
+/* One step of the linearly implicit Euler method with the Jacobian in the workspace. */
+static int euler_step(struct instance *m, double h)
+{
+    struct workspace *w = &m->work;
+    double t = m->state.time;
+    for (int j = 0; j < N; j++)
+        w->trial[j] = w->f[j] + h * w->ft[j];
+    if (factor(m, 1 / h) != 0)
+        return fail(m, "the matrix of the solver is singular at t = %.9g s (step size %.3g s)", t, h);
+    solve(m, w->trial);
+    for (int j = 0; j < N; j++)
+        w->trial[j] += m->state.y[j];
+    int culprit = first_not_finite(w->trial);
+    return culprit < 0 ? 0 : fail(m, "%s is not finite after the step of %.3g s from t = %.9g s", name_of(culprit), h, t);
+}
+
 static int fixed(struct instance *m, double end)
 {
     struct state *s = &m->state;
-    struct workspace *w = &m->work;
     double start = s->time, count = fmax(1, ceil((end - start) / s->setting[FIXED_STEP] - 1e-6));
-    for (double i = 1; i <= count; i++) {
+    for (double i = 1; i <= count;) {
         double next = i < count ? start + i * ((end - start) / count) : end, h = next - s->time;
         evaluate_jacobian(m, s->time, s->y);
-        for (int j = 0; j < N; j++)
-            w->trial[j] = w->f[j] + h * w->ft[j];
-        if (factor(m, 1 / h) != 0)
-            return fail(m, "the matrix of the solver is singular at t = %.9g s (step size %.3g s)", s->time, h);
-        solve(m, w->trial);
-        for (int j = 0; j < N; j++)
-            w->trial[j] += s->y[j];
-        int culprit = first_not_finite(w->trial);
-        if (culprit >= 0)
-            return fail(m, "%s is not finite after the step of %.3g s from t = %.9g s", name_of(culprit), h, s->time);
-        accept(m, next);
+        if (euler_step(m, h) != 0)
+            return 1;
+        int event = NE > 0 ? shorten_to_event(m, euler_step, &h) : 0;
+        if (event < 0)
+            return 1;
+        advance_to(m, event ? s->time + h : next);
+        if (event && settle(m) != 0)
+            return 1;
+        i += s->time >= next;
     }
     return 0;
 }
@@ -229,10 +322,10 @@ static int fixed(struct instance *m, double end)
 /* From the present time to `end`; on failure the instance stays at the last good point. */
 int integrate(struct instance *m, double end)
 {
-    if (!m->state.consistent && solve_algebraic(m) != 0)
+    if (NE > 0 ? settle(m) : !m->state.consistent && solve_algebraic(m) != 0) /* inputs may have jumped */
         return 1;
-    if (N == 0) {
-        accept(m, end);
+    if (N == 0 && NE == 0) {
+        advance_to(m, end);
         return 0;
     }
     if (m->explicit_order > 0)

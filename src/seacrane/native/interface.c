@@ -52,7 +52,7 @@ int exit_initialization(struct instance *m, const char *function)
     if (misplaced(m, function, WHEN(INITIALIZING)) || refresh(m, 0) != 0)
         return FAILED;
     m->state.phase = m->state.exchange ? EVENT : STEPPING;
-    return DONE;
+    return NE > 0 && !m->state.exchange && settle(m) != 0 ? FAILED : DONE;
 }
 
 int assign(struct instance *m, const char *function, const uint32_t *reference, size_t count, const double *value)
@@ -73,7 +73,13 @@ int step(struct instance *m, const char *function, double from, double size)
         return fail(m, "a step from t = %.12g s was asked for, but the model is at t = %.12g s", from, m->state.time),
                FAILED;
     m->state.time = from;
-    return integrate(m, from + size) == 0 ? DONE : DISCARDED;
+    if (m->state.sloped == USED_UP)
+        end_ramps(m);
+    if (integrate(m, from + size) != 0)
+        return DISCARDED;
+    if (m->state.sloped == RAMPED)
+        m->state.sloped = USED_UP;
+    return DONE;
 }
 
 int save_state(struct instance *m, void **saved)
@@ -223,6 +229,40 @@ int output_derivatives(struct instance *m, const char *function, const uint32_t 
                         (unsigned)reference[i], (int)order[i]), FAILED;
         value[i] = m->work.doutput[v->index];
     }
+    return DONE;
+}
+
+/* The time derivatives of inputs at the beginning of a communication step; they hold for this step. */
+int input_derivatives(struct instance *m, const char *function, const uint32_t *reference, size_t count,
+                      const int32_t *order, const double *value)
+{
+    if (misplaced(m, function, WHEN(INSTANTIATED) | WHEN(INITIALIZING) | WHEN(STEPPING)))
+        return FAILED;
+    return set_slopes(m, reference, count, order, value) == 0 ? DONE : FAILED;
+}
+
+/* In event mode: what is due happens. */
+int update_discrete_states(struct instance *m, const char *function, int *happened)
+{
+    if (misplaced(m, function, WHEN(EVENT)))
+        return FAILED;
+    uint64_t before = m->events.count;
+    int outcome = NE > 0 && settle(m) != 0 ? FAILED : DONE;
+    *happened = m->events.count != before;
+    return outcome;
+}
+
+/* Indicators as FMI wants them: of the order of one, and not zero when an event is over. Discarded where the algebraic
+   equations have no solution. */
+int get_indicators(struct instance *m, const char *function, double *indicator, size_t count)
+{
+    if (misplaced(m, function, KNOWN))
+        return FAILED;
+    if (count != NE)
+        return fail(m, "the model has %d event indicators, not %u", NE, (unsigned)count), FAILED;
+    if (refresh(m, 1u << INDICATOR) != 0)
+        return DISCARDED;
+    memcpy(indicator, m->indicator, NE * sizeof(double));
     return DONE;
 }
 

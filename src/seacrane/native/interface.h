@@ -39,6 +39,11 @@ int adjoint(struct instance *m, const char *function, const uint32_t *unknown, s
 int output_derivatives(struct instance *m, const char *function, const uint32_t *reference, size_t count,
                        const int32_t *order, double *value);
 
+int input_derivatives(struct instance *m, const char *function, const uint32_t *reference, size_t count,
+                      const int32_t *order, const double *value);
+
+int update_discrete_states(struct instance *m, const char *function, int *happened);
+int get_indicators(struct instance *m, const char *function, double *indicator, size_t count);
 int set_time(struct instance *m, const char *function, double time);
 int set_states(struct instance *m, const char *function, const double *x, size_t count);
 int get_states(struct instance *m, const char *function, double *x, size_t count);

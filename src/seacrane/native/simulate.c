@@ -17,6 +17,7 @@ static int apply(struct instance *m, const struct samples *s, size_t next, doubl
 {
     if (s->inputs == 0 || s->count == 0)
         return 0;
+    end_ramps(m);
     size_t from = next > 0 ? next - 1 : 0;
     const double *a = s->value + from * s->inputs;
     if (!s->linear || next == 0 || next == s->count)
@@ -24,8 +25,9 @@ static int apply(struct instance *m, const struct samples *s, size_t next, doubl
     const double *b = a + s->inputs;
     double length = s->time[next] - s->time[from];
     for (size_t i = 0; i < s->inputs; i++) {
+        const int32_t first = 1;
         double slope = (b[i] - a[i]) / length, value = a[i] + slope * (t - s->time[from]);
-        if (set_values(m, s->reference + i, 1, &value) != 0 || set_slopes(m, s->reference + i, 1, &slope) != 0)
+        if (set_values(m, s->reference + i, 1, &value) != 0 || set_slopes(m, s->reference + i, 1, &first, &slope) != 0)
             return 1;
     }
     return 0;
@@ -71,6 +73,18 @@ EXPORT void seacrane_explicit(struct instance *m, int order, double step)
 {
     m->explicit_order = order;
     m->explicit_step = step;
+}
+
+/* Events from number `first` on, as far as they are kept and there is `room` for them: times, and places in the list of
+   events. Returns how many have happened in all. */
+EXPORT uint64_t seacrane_events(const struct instance *m, uint64_t first, size_t room, double *time, int32_t *index)
+{
+    const struct events *e = &m->events;
+    for (size_t i = 0; i < room && first + i < e->count; i++) {
+        time[i] = e->time[(first + i) % KEPT_EVENTS];
+        index[i] = e->index[(first + i) % KEPT_EVENTS];
+    }
+    return e->count;
 }
 
 EXPORT const char *seacrane_message(const struct instance *m)

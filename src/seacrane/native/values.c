@@ -5,9 +5,9 @@
 #include <string.h>
 
 #define BIT(kind) (1u << (kind))
-#define COMPUTED (BIT(DERIVATIVE) | BIT(ALGEBRAIC) | BIT(OUTPUT) | BIT(OBSERVABLE))
+#define COMPUTED (BIT(DERIVATIVE) | BIT(ALGEBRAIC) | BIT(OUTPUT) | BIT(OBSERVABLE) | BIT(INDICATOR))
 #define SETTABLE (BIT(INPUT) | BIT(PARAMETER) | BIT(SETTING))
-#define SETTABLE_AT_START (SETTABLE | BIT(STATE) | BIT(ALGEBRAIC))
+#define SETTABLE_AT_START (SETTABLE | BIT(STATE) | BIT(ALGEBRAIC) | BIT(MODE))
 
 const struct variable *find_variable(uint32_t reference)
 {
@@ -71,6 +71,7 @@ static int refuse(struct instance *m, uint32_t reference, double value)
     switch (v->kind) {
     case STATE:
     case ALGEBRAIC:
+    case MODE:
         return fail(m, "%s can only be set before or during initialization", v->name);
     case PARAMETER:
         return fail(m, "%s = %.9g %s is outside its range of %.9g to %.9g %s", v->name, value, v->unit,
@@ -93,6 +94,14 @@ static int within(const struct variable *v, double value)
     return 1;
 }
 
+/* From now on inputs stay where they are. */
+void end_ramps(struct instance *m)
+{
+    memset(m->state.slope, 0, sizeof m->state.slope);
+    memset(m->state.curvature, 0, sizeof m->state.curvature);
+    m->state.sloped = CONSTANT;
+}
+
 /* Sets all values of a part or none of it. */
 static int set_part(struct instance *m, const uint32_t *reference, size_t count, const double *value)
 {
@@ -110,14 +119,6 @@ static int set_part(struct instance *m, const uint32_t *reference, size_t count,
     }
     for (size_t i = 0; i < count; i++)
         *lookup->value[i] = value[i];
-    if (m->state.sloped && (lookup->kinds & BIT(INPUT))) { /* a value that is set stays until it is set again */
-        for (size_t i = 0; i < count; i++)
-            if (lookup->value[i] >= m->state.u && lookup->value[i] < m->state.u + NU)
-                m->state.slope[lookup->value[i] - m->state.u] = 0;
-        m->state.sloped = 0;
-        for (int i = 0; i < NU; i++)
-            m->state.sloped |= m->state.slope[i] != 0;
-    }
     if (jumped)
         changed(m);
     return 0;
@@ -136,9 +137,12 @@ int set_values(struct instance *m, const uint32_t *reference, size_t count, cons
     return 0;
 }
 
-/* Time derivatives of inputs: from now on they change linearly, until they are set again. */
-int set_slopes(struct instance *m, const uint32_t *reference, size_t count, const double *value)
+/* Time derivatives of inputs, of first or second order, at the present time: from there on they change along lines or
+   parabolas, until the end of the communication step. */
+int set_slopes(struct instance *m, const uint32_t *reference, size_t count, const int32_t *order, const double *value)
 {
+    if (m->state.sloped == USED_UP)
+        end_ramps(m);
     for (size_t i = 0; i < count; i++) {
         const struct variable *v = find_variable(reference[i]);
         if (v == NULL)
@@ -147,10 +151,14 @@ int set_slopes(struct instance *m, const uint32_t *reference, size_t count, cons
             return fail(m, "%s is no input and has no input derivative", v->name);
         if (!isfinite(value[i]))
             return fail(m, "the time derivative of %s is not a finite number", v->name);
-        m->state.slope[v->index] = value[i];
+        if (order[i] != 1 && order[i] != 2)
+            return fail(m, "inputs have derivatives of order 1 and 2; %s was given one of order %d", v->name,
+                        (int)order[i]);
+        (order[i] == 1 ? m->state.slope : m->state.curvature)[v->index] = value[i];
     }
-    m->state.sloped = 0;
+    m->state.sloped = CONSTANT;
     for (int i = 0; i < NU; i++)
-        m->state.sloped |= m->state.slope[i] != 0;
+        if (m->state.slope[i] != 0 || m->state.curvature[i] != 0)
+            m->state.sloped = RAMPED;
     return 0;
 }

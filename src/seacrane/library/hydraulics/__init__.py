@@ -29,6 +29,7 @@ from .pumps import (
     VariableFlowPump,
 )
 from .sources import FlowInput, Plug, PressureInput, Tank
+from .switches import PressureSwitch
 from .valves import (
     AnticavitationValve,
     CheckValve,
@@ -67,6 +68,7 @@ __all__ = [
     "PressureControlledPump",
     "PressureInput",
     "PressureReducingValve",
+    "PressureSwitch",
     "Pump",
     "ReliefValve",
     "ShaftPump",

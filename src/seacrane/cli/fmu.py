@@ -149,7 +149,11 @@ def _run(options: argparse.Namespace) -> int:
 
 def _export(options: argparse.Namespace) -> int:
     from seacrane import fmi, model
+    from seacrane.errors import FmuError
 
+    beside = options.out.with_suffix(".wasm")
+    if options.wasm and beside == options.out:
+        raise FmuError.at("--out", "is the name of the module beside it; the FMU needs another", value=str(options.out))
     diagram = model.load(options.file)
     platforms = options.platforms if options.platforms in ("host", "all") else options.platforms.split(",")
     fmi.export(
@@ -171,7 +175,7 @@ def _export(options: argparse.Namespace) -> int:
     print(f"{options.out}: {'; '.join(what)}")
     if options.wasm:
         print(f"{options.out.name}: compiling for WebAssembly", file=sys.stderr)
-        module = fmi.export_wasm(diagram, options.out.with_suffix(".wasm"))
+        module = fmi.export_wasm(diagram, beside)
         print(f"{module}: WebAssembly; {module.stat().st_size / 1024:.0f} kB")
     return 0
 

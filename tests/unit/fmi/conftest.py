@@ -1,5 +1,6 @@
 """A small model with everything a model can have, and its FMU."""
 
+import os
 from pathlib import Path
 
 import casadi as ca
@@ -47,3 +48,11 @@ def piston_fmu(cylinder: Dae, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def balls(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return build(tmp_path_factory.mktemp("balls"))
+
+
+@pytest.fixture
+def compiled_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing that was compiled before is found, but the C libraries that the compiler has prepared for itself."""
+    kept = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "zig"
+    monkeypatch.setenv("ZIG_GLOBAL_CACHE_DIR", os.environ.get("ZIG_GLOBAL_CACHE_DIR", str(kept)))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))

@@ -120,9 +120,8 @@ def test_macos_libraries_are_relocatable_signed_where_they_must_be_and_export_fm
 
 @needs_zig
 def test_fmi_2_has_both_kinds_of_macos_in_one_universal_binary_and_the_same_bytes_each_time(
-    cylinder: Dae, all3: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    cylinder: Dae, all3: Path, tmp_path: Path, compiled_anew: None
 ) -> None:
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))  # compiled anew
     two = fmi.export(cylinder, tmp_path / "two.fmu", platforms="all")
     assert fmi.check(two) == []
     found, before = binaries(two), binaries(all3)

@@ -79,8 +79,7 @@ def test_the_module_describes_itself(cylinder: Dae, tmp_path: Path) -> None:
     assert "start" not in by_name["force"]
 
 
-def test_the_same_model_gives_the_same_bytes(exported: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+def test_the_same_model_gives_the_same_bytes(exported: Path, tmp_path: Path, compiled_anew: None) -> None:
     again = fmi.export_wasm(model.load(BOOM_DRIVE), tmp_path / "another name.wasm")
     assert again.read_bytes() == exported.read_bytes()
 
@@ -92,6 +91,12 @@ def test_the_command_writes_the_module_beside_the_fmu(
     assert (tmp_path / "boom.wasm").read_bytes() == exported.read_bytes()
     size = f"{exported.stat().st_size / 1024:.0f}"
     assert capsys.readouterr().out.endswith(f"{tmp_path / 'boom.wasm'}: WebAssembly; {size} kB\n")
+
+
+def test_the_fmu_and_the_module_cannot_be_one_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["fmu", "export", str(BOOM_DRIVE), "--wasm", "--out", str(tmp_path / "boom.wasm")]) == 2
+    assert "--out: is the name of the module beside it; the FMU needs another" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_without_the_compiler_nothing_is_written_and_the_error_says_what_to_install(

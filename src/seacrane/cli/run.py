@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,7 +16,7 @@ from seacrane.units import parse
 from .arguments import Commands, output
 
 if TYPE_CHECKING:
-    from seacrane.cosim import Execution, Pace, System
+    from seacrane.cosim import Algorithm, Execution, Experiment, Pace, System
 
 _MOST_NAMED = 8
 
@@ -68,12 +69,12 @@ def _run(options: argparse.Namespace) -> int:
     step = _needed(options.step, experiment.step, "--step")
     name = options.algorithm or experiment.algorithm or "gauss-seidel"
     if name not in cosim.ALGORITHMS:
-        hint = nearest(name, cosim.ALGORITHMS)
-        raise CosimError.at("--algorithm", "there is no such algorithm", value=name, hint=hint)
+        allowed, hint = ", ".join(cosim.ALGORITHMS), nearest(name, cosim.ALGORITHMS)
+        raise CosimError.at("--algorithm", "there is no such algorithm", value=name, allowed=allowed, hint=hint)
     settings = _settings(system, options.set)
     signals = _signals(system, options.signals)
     _tell(system, settings)
-    with cosim.Execution(system, cosim.ALGORITHMS[name](step), start=experiment.start) as run:
+    with cosim.Execution(system, _algorithm(name, step, experiment), start=experiment.start) as run:
         for variable, value in settings.items():
             run.set(variable, value)
         if options.scenario:
@@ -96,6 +97,9 @@ def _run(options: argparse.Namespace) -> int:
         finally:
             if options.plot and len(recorder.recording()) > 1:
                 recorder.recording().plot(*(signals or [])[:12]).savefig(options.plot)
+        if options.progress:
+            _progress(run)(run.time, until)
+            print(file=sys.stderr)
         _summary(system, run, name)
         if pace is not None:
             print(
@@ -125,6 +129,19 @@ def _advance(run: Execution, until: float, options: argparse.Namespace) -> Pace 
     return pacing.pace
 
 
+def _algorithm(name: str, step: float, experiment: Experiment) -> Algorithm:
+    """The algorithm with its macro step [s], and with the steps of slaves that the file gives."""
+    from seacrane import cosim
+
+    algorithm = cosim.ALGORITHMS[name](step)
+    if not experiment.steps:
+        return algorithm
+    if isinstance(algorithm, (cosim.GaussSeidel, cosim.Jacobi)):
+        return replace(algorithm, rates={slave: step / own for slave, own in experiment.steps.items()})
+    print(f"seacrane: {name} steps all slaves together, so the file's steps of slaves are not used", file=sys.stderr)
+    return algorithm
+
+
 def _needed(given: float | None, of_file: float | None, option: str) -> float:
     value = of_file if given is None else given
     if value is None:
@@ -142,7 +159,7 @@ def _settings(system: System, texts: list[str]) -> dict[str, float]:
         if not equals:
             problems.append(Problem("--set", "is not NAME=VALUE", text))
         elif name in connectors:
-            unit = connectors[name].unit or "1"
+            unit = system.unit_of(name) or "1"
             for link in system.behind(name):
                 number = _number(value, unit, name, problems)
                 values[link.target] = system.through(link, number)
@@ -202,16 +219,14 @@ def _tell(system: System, settings: Mapping[str, float]) -> None:
         print(f"seacrane: {len(open_inputs)} {are} not connected, at start values: {named}", file=sys.stderr)
 
 
-class _progress:
+def _progress(run: Execution) -> Callable[[float, float], None]:
     """Prints how far a run is, on one line."""
 
-    def __init__(self, run: Execution) -> None:
-        self._run = run
+    def tell(time: float, until: float) -> None:
+        factor = run.usage.real_time_factor
+        print(f"\r{time:10.3f} of {until:g} s, real-time factor {factor:.3g} ", end="", file=sys.stderr, flush=True)
 
-    def __call__(self, time: float, until: float) -> None:
-        factor = self._run.usage.real_time_factor
-        end = "\n" if time >= until else ""
-        print(f"\r{time:10.3f} of {until:g} s, real-time factor {factor:.3g} ", end=end, file=sys.stderr, flush=True)
+    return tell
 
 
 def _summary(system: System, run: Execution, algorithm: str) -> None:

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from seacrane import fmi
+from seacrane import cosim, fmi
 from seacrane.cli import main
 from seacrane.model.dae import Dae, Variable
 from seacrane.results import Recording
@@ -98,10 +98,49 @@ def test_progress_is_shown_on_request(folder, capsys) -> None:
     assert "     1.000 of 1 s, real-time factor " in capsys.readouterr().err
 
 
+def test_connectors_of_a_system_are_set_and_recorded_by_their_own_names(folder, tmp_path, capsys) -> None:
+    half = cosim.System("half", {"mass": cosim.FmuSlave(folder / "mass.fmu", {"v": 0.0})})
+    half.expose("pull", "mass.pull")
+    half.expose("speed", "mass.velocity")
+    archive, file = cosim.write_ssp(half, tmp_path / "half.ssp"), tmp_path / "half.csv"
+    options = [
+        "--until",
+        "1",
+        "--step",
+        "0.1",
+        "--set",
+        "pull=0.004 kN",
+        "--signals",
+        "speed,pull",
+        "--record",
+        str(file),
+    ]
+    assert main(["run", str(archive), *options]) == 0
+    recording = Recording.read_csv(file)
+    assert list(recording.signals) == ["mass.velocity", "mass.pull"]
+    np.testing.assert_allclose(recording["mass.velocity"], 2.0 * recording.time, atol=1e-9)
+    assert "mass.force" in capsys.readouterr().err
+
+
+def test_the_steps_of_slaves_that_a_file_gives_are_used_where_an_algorithm_can(folder, tmp_path, capsys) -> None:
+    text = (folder / "OspSystemStructure.xml").read_text().replace('"spring.fmu"', '"spring.fmu" stepSize="0.02"')
+    for name in ("spring", "mass"):
+        (tmp_path / f"{name}.fmu").symlink_to(folder / f"{name}.fmu")
+    (tmp_path / "OspSystemStructure.xml").write_text(text)
+    results = []
+    for where, algorithm in ((folder, "jacobi"), (tmp_path, "jacobi"), (tmp_path, "newton")):
+        file = tmp_path / "out.csv"
+        assert run(where, "--until", "1", "--algorithm", algorithm, "--record", str(file)) == 0
+        results.append(Recording.read_csv(file)["spring.force"])
+    assert (np.diff(results[0])[1:] != 0).all()
+    assert (np.diff(results[1])[2::2] == 0).all() or (np.diff(results[1])[1::2] == 0).all()
+    assert "newton steps all slaves together, so the file's steps of slaves are not used" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--until", "1", "--algorithm", "jakobi"], "--algorithm: there is no such algorithm (got 'jakobi'). Did you"),
+        (["--until", "1", "--algorithm", "jakobi"], "algorithm: there is no such algorithm (got 'jakobi'); allowed: "),
         ([], "--until: is not given, and the file does not say it"),
         (["--until", "1", "--set", "mass.pul=3"], "mass.pul: no such variable. Did you mean 'mass.pull'"),
         (["--until", "1", "--set", "mass.pull=3 m"], "mass.pull: a quantity in 'm' cannot be given in 'N'"),

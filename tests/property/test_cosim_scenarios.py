@@ -6,12 +6,16 @@ from hypothesis import strategies as st
 
 from seacrane.cosim import (
     Above,
+    Adaptive,
     Event,
     Execution,
+    FixedPoint,
     Freeze,
     FunctionSlave,
     GaussSeidel,
+    Iterative,
     Jacobi,
+    Newton,
     Offset,
     Override,
     Ramp,
@@ -19,6 +23,7 @@ from seacrane.cosim import (
     Scale,
     Scenario,
     Set,
+    StepDoubling,
     Stop,
     System,
 )
@@ -56,7 +61,17 @@ ACTIONS = st.one_of(
 )
 DUE = st.one_of(st.floats(0, UNTIL), st.tuples(st.builds(Above, VARIABLES, VALUES)))
 SCENARIOS = st.lists(st.builds(Event, DUE, ACTIONS), max_size=8).map(lambda events: Scenario("random", tuple(events)))
-ALGORITHMS = st.sampled_from([GaussSeidel(0.03), Jacobi(0.03)])
+ALGORITHMS = st.sampled_from(
+    [
+        GaussSeidel(0.03),
+        Jacobi(0.03),
+        Jacobi(0.03, rates={"a": 3}, extrapolation="quadratic"),
+        GaussSeidel(0.03, rates={"b": 1 / 2}, extrapolation="linear"),
+        Iterative(GaussSeidel(0.03, extrapolation="linear"), FixedPoint(), tolerance=1e-4),
+        Iterative(Jacobi(0.03), Newton(), tolerance=1e-4),
+        Adaptive(GaussSeidel(0.03), StepDoubling(1e-2), smallest=1e-3),
+    ]
+)
 
 
 def table(run: Execution, until: float) -> np.ndarray:

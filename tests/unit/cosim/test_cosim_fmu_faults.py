@@ -7,7 +7,7 @@ from pathlib import Path
 import fmpy
 import pytest
 
-from seacrane.cosim import Execution, FmuSlave, FunctionSlave, GaussSeidel, System
+from seacrane.cosim import Adaptive, Execution, FmuSlave, FunctionSlave, GaussSeidel, StepDoubling, System
 from seacrane.errors import CosimError
 from seacrane.model.dae import Variable
 from seacrane.native import compiler
@@ -94,3 +94,27 @@ def test_an_fmu_that_takes_too_long_is_named(fmu, loop, caplog):
     ):
         run.advance(2.0)
     assert caplog.messages[0].startswith("pump: has been at work for 0.1")
+
+
+@LOOPS
+def test_a_step_that_an_fmu_discards_is_done_again_with_a_smaller_size_where_it_may(fmu, loop):
+    doubling = Adaptive(GaussSeidel(0.125), StepDoubling(), smallest=1e-3)
+    with Execution(system(fmu, longest=0.02), doubling, loop=loop) as run:
+        run.advance(1.0)
+        assert run.values(["pump.y"])[0] == pytest.approx(1.0, abs=1e-12)
+        assert run.values(["rejected"])[0] > 0
+    with (
+        Execution(system(fmu, longest=0.02), GaussSeidel(0.125), loop=loop) as run,
+        pytest.raises(CosimError, match=r"pump: failed with status 'discard' when stepping .*: the step is too long"),
+    ):
+        run.advance(1.0)
+
+
+@LOOPS
+def test_a_step_that_is_discarded_at_any_size_ends_the_run(fmu, loop):
+    doubling = Adaptive(GaussSeidel(0.125), StepDoubling(), smallest=1e-3)
+    with Execution(system(fmu, status=2, when=0.7), doubling, loop=loop) as run:
+        recorder = run.record()
+        with pytest.raises(CosimError, match="pump: failed with status 'discard' when stepping"):
+            run.advance(1.0)
+        assert recorder.recording().time.tolist() == [0.125 * i for i in range(6)]

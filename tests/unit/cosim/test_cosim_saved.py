@@ -12,6 +12,7 @@ import pytest
 from seacrane import fmi
 from seacrane.cosim import (
     Above,
+    Adaptive,
     Event,
     Execution,
     FmuSlave,
@@ -22,6 +23,7 @@ from seacrane.cosim import (
     ModelSlave,
     Offset,
     Scenario,
+    StepDoubling,
     System,
 )
 from seacrane.errors import CosimError
@@ -34,7 +36,7 @@ sys.path.insert(0, {tests!r})
 import test_cosim_saved as here
 from seacrane.cosim import Execution
 
-with Execution(here.mixed({folder!r}), here.ALGORITHM, loop={loop!r}) as run:
+with Execution(here.mixed({folder!r}), here.ALGORITHMS[{algorithm!r}], loop={loop!r}) as run:
     run.follow(here.SCENARIO)
     run.restore_file({state!r})
     recorder = run.record()
@@ -44,7 +46,11 @@ with Execution(here.mixed({folder!r}), here.ALGORITHM, loop={loop!r}) as run:
     np.save({result!r}, np.column_stack([recording.time, *(recording[n] for n in recording)]))
 """
 
-ALGORITHM = GaussSeidel(0.01)
+ALGORITHMS = {
+    "explicit": GaussSeidel(0.01),
+    "extrapolating": Jacobi(0.01, extrapolation="quadratic", conserve=True),
+    "adaptive": Adaptive(GaussSeidel(0.01, extrapolation="linear"), StepDoubling(1e-5)),
+}
 SCENARIO = Scenario("s", (Event(0.5, Offset("one.force", 0.25)), Event(1.5, Freeze("filter.y"))))
 
 
@@ -66,10 +72,13 @@ def mixed(folder) -> System:
     return system
 
 
-@pytest.mark.parametrize("loop", ["c", "python"])
-def test_a_run_goes_on_from_a_file_in_a_new_process_bit_by_bit(tmp_path, loop):
+@pytest.mark.parametrize(
+    ("algorithm", "loop"),
+    [("explicit", "c"), ("explicit", "python"), ("extrapolating", "c"), ("adaptive", "c")],
+)
+def test_a_run_goes_on_from_a_file_in_a_new_process_bit_by_bit(tmp_path, algorithm, loop):
     state, result = tmp_path / "run.state", tmp_path / "result.npy"
-    with Execution(mixed(tmp_path), ALGORITHM, loop=loop) as run:
+    with Execution(mixed(tmp_path), ALGORITHMS[algorithm], loop=loop) as run:
         run.follow(SCENARIO)
         run.advance(1.0)
         run.save_file(state)
@@ -79,7 +88,8 @@ def test_a_run_goes_on_from_a_file_in_a_new_process_bit_by_bit(tmp_path, loop):
         recording = recorder.recording()
         whole = np.column_stack([recording.time, *(recording[n] for n in recording)])
     folder = str(Path(__file__).parent)
-    program = PROGRAM.format(tests=folder, folder=str(tmp_path), state=str(state), result=str(result), loop=loop)
+    names = {"tests": folder, "folder": str(tmp_path), "state": str(state), "result": str(result)}
+    program = PROGRAM.format(**names, loop=loop, algorithm=algorithm)
     subprocess.run([sys.executable, "-c", program], check=True)
     assert whole.shape == (101, 12)
     assert np.array_equal(np.load(result), whole)

@@ -61,6 +61,8 @@ def parameters(component: type[Component], names: Iterable[str]) -> str:
         )
         if declaration.role in ("shared", "initial"):
             shown += f" ({declaration.role})"
+        if declaration.reason:
+            shown += f": {declaration.reason}"
         unit = quantity.unit if quantity and quantity.unit != "1" else ""
         rows.append((f"`{name}`", declaration.about, unit, shown, declaration.allowed))
     return table(("parameter", "", "unit", "default", "allowed"), rows)

@@ -107,7 +107,9 @@ class Step(_Keeping):
     after: Ratio = parameter("value after the step", least=-1e12, most=1e12)
     before: Ratio = parameter("value before the step", default=0.0, least=-1e12, most=1e12)
     at: Time = parameter("time of the step", default=0.0, least=-1e6, most=1e6)
-    rise: Time = parameter("duration of the rise", default=1e-3, above=0, most=1e6)
+    rise: Time = parameter(
+        "duration of the rise", default=1e-3, reason="shorter than anything hydraulic", above=0, most=1e6
+    )
     ports = {"y": SignalOut()}
     icon = symbols.STEP
 
@@ -156,7 +158,9 @@ class JoystickInput(Component):
     no ramp and no dead man's switch in it: see `RateLimit` for the one; the other belongs to the control system.
     """
 
-    dead_zone: Ratio = parameter("deflection below which nothing happens", default=0.05, least=0, most=0.5)
+    dead_zone: Ratio = parameter(
+        "deflection below which nothing happens", default=0.05, reason="the play of a worn lever", least=0, most=0.5
+    )
     progression: Ratio = parameter("share c of the cubic part", default=0.0, least=0, most=1)
     scale: Ratio = parameter("output at full deflection", default=1.0, least=-1e12, most=1e12)
     gives: str = option("unit of the output", default="1")
@@ -307,7 +311,9 @@ class RateLimit(_Keeping):
     """
 
     rate: Ratio = parameter("greatest rate, per second", above=0, most=1e12)
-    lag: Time = parameter("time constant of the approach", default=0.01, above=0, most=1e3)
+    lag: Time = parameter(
+        "time constant of the approach", default=0.01, reason="shorter than anything mechanical", above=0, most=1e3
+    )
     start: Ratio = initial("output at the start", least=-1e12, most=1e12)
     ports = {"u": SignalIn(), "y": SignalOut()}
     icon = symbols.RATE_LIMIT
@@ -372,7 +378,9 @@ class PID(_Changing):
     kp: Ratio = parameter("proportional gain", above=0, most=1e12)
     ki: Ratio = parameter("integral gain, per second", default=0.0, least=0, most=1e12)
     kd: Ratio = parameter("derivative gain, times second", default=0.0, least=0, most=1e12)
-    filter_time: Time = parameter("time constant T_f of the derivative filter", default=0.01, above=0, most=1e3)
+    filter_time: Time = parameter(
+        "time constant T_f of the derivative filter", default=0.01, reason="one control step", above=0, most=1e3
+    )
     low: Ratio = parameter("lowest output", least=-1e12, most=1e12)
     high: Ratio = parameter("highest output", least=-1e12, most=1e12)
     integral: Ratio = initial("integral at the start", least=-1e12, most=1e12)

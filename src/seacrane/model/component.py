@@ -39,7 +39,7 @@ _ROLE: Final = "seacrane.role"
 
 @dataclass(frozen=True)
 class Declaration:
-    """What `parameter`, `shared`, `initial` and `option` say about a field."""
+    """What `parameter`, `shared`, `initial` and `option` say about a field; `reason` is that of its default."""
 
     role: str
     about: str
@@ -47,6 +47,7 @@ class Declaration:
     below: float | None = None
     least: float | None = None
     most: float | None = None
+    reason: str = ""
 
     @property
     def allowed(self) -> str:
@@ -82,22 +83,31 @@ def parameter(
     below: float | None = None,
     least: float | None = None,
     most: float | None = None,
+    reason: str = "",
 ) -> Any:
     """A number of the law, in the SI unit of its type. Without a default it must be given.
 
-    Give a default only to a value that is right nearly always.
+    Give a default only to a value that is right nearly always, and say the `reason`, unless it is 0 or 1 and leaves
+    something out.
     """
-    return _field(Declaration("parameter", about, above, below, least, most), default)
+    return _field(Declaration("parameter", about, above, below, least, most, reason), default)
 
 
 def shared(
-    about: str, *, default: float, above: float | None = None, least: float | None = None, most: float | None = None
+    about: str,
+    *,
+    default: float,
+    above: float | None = None,
+    least: float | None = None,
+    most: float | None = None,
+    reason: str = "",
 ) -> Any:
     """A parameter that a whole diagram shares by its name (such as the density of the oil).
 
     A value given to the component wins over the diagram's, which wins over `default`.
     """
-    return _field(Declaration("shared", about, above=above, least=least, most=most), _Shared(default))
+    declaration = Declaration("shared", about, above=above, least=least, most=most, reason=reason)
+    return _field(declaration, _Shared(default))
 
 
 def initial(about: str, *, default: float = 0.0, least: float | None = None, most: float | None = None) -> Any:

@@ -98,6 +98,7 @@ def family(
 def bode(frequency: Vector, response: Mapping[str, ComplexVector], title: str = "") -> Figure:
     """Magnitude [dB of SI units] and phase [deg] of frequency responses over `frequency` [Hz]."""
     from matplotlib.figure import Figure
+    from matplotlib.ticker import MaxNLocator
 
     figure = Figure(figsize=(9.0, 6.0), layout="constrained")
     magnitude, phase = figure.subplots(2, 1, sharex=True)
@@ -107,6 +108,7 @@ def bode(frequency: Vector, response: Mapping[str, ComplexVector], title: str = 
         phase.semilogx(frequency, np.rad2deg(np.unwrap(np.angle(values))), label=label)
     magnitude.set_ylabel("magnitude [dB]")
     phase.set_ylabel("phase [deg]")
+    phase.yaxis.set_major_locator(MaxNLocator(nbins=8, steps=[1, 1.5, 3, 4.5, 9, 10]))
     phase.set_xlabel("frequency [Hz]")
     for ax in (magnitude, phase):
         ax.grid(True, which="both", alpha=0.3)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import xml.etree.ElementTree as ET
 
 import pytest
@@ -11,6 +12,7 @@ import seacrane.library.mechanics
 import seacrane.library.signals  # noqa: F401  (the registry holds what was imported)
 from seacrane.model import REGISTRY, Component
 from seacrane.model.ports import PowerPort
+from seacrane.units import GRAVITY
 
 LIBRARY = [c for c in REGISTRY if c.__module__.startswith("seacrane.library")]
 
@@ -39,6 +41,16 @@ def test_every_number_has_a_meaning_a_unit_and_bounds(component: type[Component]
         assert quantity is not None, f"{name} has no unit"
         assert declaration.least is not None or declaration.above is not None, f"{name} has no lower bound"
         assert declaration.most is not None or declaration.below is not None, f"{name} has no upper bound"
+
+
+@pytest.mark.parametrize("component", LIBRARY, ids=lambda c: c.__name__)
+def test_every_default_that_is_a_choice_gives_its_reason(component: type[Component]) -> None:
+    """0 and 1 leave something out (no friction, one cylinder); gravity is known to all."""
+    for field in dataclasses.fields(component):  # type: ignore[arg-type]
+        declaration, _ = component.declarations[field.name]
+        default = getattr(field.default, "default", field.default)
+        if declaration.role in ("parameter", "shared") and default not in (dataclasses.MISSING, 0, 1, GRAVITY):
+            assert declaration.reason, field.name
 
 
 @pytest.mark.parametrize("component", LIBRARY, ids=lambda c: c.__name__)

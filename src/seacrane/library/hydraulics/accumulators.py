@@ -101,7 +101,7 @@ class IsothermalGasAccumulator(GasAccumulator, level="isothermal"):
 class AdiabaticGasAccumulator(GasAccumulator, level="adiabatic"):
     """p V^n = constant: no heat passes. n = 1.4 for nitrogen as an ideal gas. Stores p q."""
 
-    exponent: Ratio = parameter("exponent n", default=1.4, least=1, most=3)
+    exponent: Ratio = parameter("exponent n", default=1.4, reason="a diatomic gas", least=1, most=3)
     sources = ("Ideal gas without heat exchange (Poisson)",)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
@@ -122,7 +122,9 @@ class RealGasAccumulator(GasAccumulator, level="real-gas"):
     """
 
     time_constant: Time = parameter("thermal time constant", above=0, most=1e6)
-    surroundings: Temperature = parameter("temperature of the surroundings", default=293.15, least=220, most=400)
+    surroundings: Temperature = parameter(
+        "temperature of the surroundings", default=293.15, reason="20 degrees Celsius", least=220, most=400
+    )
     temperature_difference: Ratio = initial("gas above surroundings at the start, in K", least=-70, most=500)
     bond_graph = BondGraph(
         "gas: C, heat: R, surroundings: Se, exchange: 1, inside: 0",

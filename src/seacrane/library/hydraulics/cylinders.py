@@ -37,10 +37,30 @@ class _Losses(Component):
     viscous_friction: Damping = parameter("viscous friction", default=0.0, least=0, most=1e9)
     coulomb_friction: Force = parameter("Coulomb friction", default=0.0, least=0, most=1e8)
     static_friction: Force = parameter("what friction at rest exceeds it by", default=0.0, least=0, most=1e8)
-    friction_speed: Speed = parameter("speed within which friction turns its sign", default=2e-3, above=0, most=1)
-    stribeck_speed: Speed = parameter("speed at which static friction has faded", default=10e-3, above=0, most=10)
-    stop_stiffness: Stiffness = parameter("stiffness of an end stop", default=2e8, above=0, most=1e13)
-    stop_damping: Damping = parameter("damping of an end stop", default=1e6, least=0, most=1e12)
+    friction_speed: Speed = parameter(
+        "speed within which friction turns its sign",
+        default=2e-3,
+        reason="well below working speeds, and not stiffer than the oil",
+        above=0,
+        most=1,
+    )
+    stribeck_speed: Speed = parameter(
+        "speed at which static friction has faded", default=10e-3, reason="seals: 5 to 20 mm/s", above=0, most=10
+    )
+    stop_stiffness: Stiffness = parameter(
+        "stiffness of an end stop",
+        default=2e8,
+        reason="yields 1 to 10 mm under the force of a crane cylinder",
+        above=0,
+        most=1e13,
+    )
+    stop_damping: Damping = parameter(
+        "damping of an end stop",
+        default=1e6,
+        reason="a third of critical with 10 t",
+        least=0,
+        most=1e12,
+    )
 
     def friction(self, v: Any) -> Any:
         """F_f [N] at speed v."""
@@ -151,11 +171,33 @@ class ExtendedDoubleActingCylinder(DoubleActingCylinder, _Losses, level="extende
 
     sources = (*DoubleActingCylinder.sources, f"{OLSSON} (friction)")
 
-    port_diameter: Diameter = parameter("bore of each port", default=32 * mm, above=0, most=1)
-    discharge: Ratio = parameter("discharge coefficient of the ports", default=0.7, above=0, most=1)
-    dead_length: Length = parameter("height of oil left at each end of the stroke", default=30 * mm, above=0, most=10)
-    leakage: Leakage = parameter("leakage past the piston", default=1e-14, least=0, most=1e-6)
-    cushion_length: Length = parameter("way over which a cushion closes", default=50 * mm, above=0, most=10)
+    port_diameter: Diameter = parameter(
+        "bore of each port", default=32 * mm, reason="5 m/s at 240 l/min", above=0, most=1
+    )
+    discharge: Ratio = parameter(
+        "discharge coefficient of the ports", default=0.7, reason="rounded edges; 0.61 for sharp ones", above=0, most=1
+    )
+    dead_length: Length = parameter(
+        "height of oil left at each end of the stroke",
+        default=30 * mm,
+        reason="port bores and clearances",
+        above=0,
+        most=10,
+    )
+    leakage: Leakage = parameter(
+        "leakage past the piston",
+        default=1e-14,
+        reason="18 ml/min at 300 bar; keeps a plugged side determined",
+        least=0,
+        most=1e-6,
+    )
+    cushion_length: Length = parameter(
+        "way over which a cushion closes",
+        default=50 * mm,
+        reason="as cushions of large cylinders are long",
+        above=0,
+        most=10,
+    )
     cushion_opening: Ratio = parameter("opening a cushion leaves to outflow, of a port", default=1.0, above=0, most=1)
     density: Density = density()
     bulk_modulus: Pressure = bulk_modulus()
@@ -268,7 +310,9 @@ class ExtendedSingleActingCylinder(SingleActingCylinder, _Losses, level="extende
     Stores p (V / beta) dp/dt. Given the flow and the speed, gives pressure and force.
     """
 
-    dead_length: Length = parameter("height of oil left when it is retracted", default=30 * mm, above=0, most=10)
+    dead_length: Length = parameter(
+        "height of oil left when it is retracted", default=30 * mm, reason="port bore and clearance", above=0, most=10
+    )
     bulk_modulus: Pressure = bulk_modulus()
     pressure: Pressure = initial("pressure at the start (gauge)", least=-1e5, most=1e8)
     bond_graph = BondGraph(

@@ -49,8 +49,16 @@ class DirectionalValve43(Component):
 
     flow: FlowRate = parameter("flow through one edge, fully open, at the rated pressure drop", above=0, most=1)
     at: Pressure = parameter("rated pressure drop per edge", above=0, most=1e8)
-    dead_band: Ratio = parameter("overlap of the spool, of full travel", default=0.05, least=0, most=0.9)
-    leakage: Ratio = parameter("opening that remains on a closed edge, of full area", default=1e-4, least=0, most=0.1)
+    dead_band: Ratio = parameter(
+        "overlap of the spool, of full travel", default=0.05, reason="proportional valves: 5 to 20 %", least=0, most=0.9
+    )
+    leakage: Ratio = parameter(
+        "opening that remains on a closed edge, of full area",
+        default=1e-4,
+        reason="radial clearance of a spool",
+        least=0,
+        most=0.1,
+    )
     float_centre: Ratio = parameter("opening of a and b to t at mid-spool, of full area", default=0.0, least=0, most=1)
     transition_pressure: Pressure = transition_pressure()
     ports = {
@@ -115,7 +123,13 @@ class DynamicDirectionalValve43(DirectionalValve43, level="dynamic"):
     """The spool follows the command as a second-order lag: s'' + 2 zeta w_n s' + w_n^2 s = w_n^2 x."""
 
     natural_frequency: AngularSpeed = parameter("natural frequency of the spool", above=0, most=1e4)
-    damping: Ratio = parameter("damping ratio of the spool", default=0.8, above=0, most=10)
+    damping: Ratio = parameter(
+        "damping ratio of the spool",
+        default=0.8,
+        reason="overshoots by 1.5 %, as step responses of data sheets",
+        above=0,
+        most=10,
+    )
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         s = m.state("spool_position", unit="1", about="spool position, of full travel")
@@ -134,7 +148,13 @@ class RateLimitedDirectionalValve43(DirectionalValve43, level="rate-limited"):
     """
 
     natural_frequency: AngularSpeed = parameter("natural frequency of the spool", above=0, most=1e4)
-    damping: Ratio = parameter("damping ratio of the spool", default=0.8, above=0, most=10)
+    damping: Ratio = parameter(
+        "damping ratio of the spool",
+        default=0.8,
+        reason="overshoots by 1.5 %, as step responses of data sheets",
+        above=0,
+        most=10,
+    )
     travel_time: Time = parameter("time from the centre to full travel, at the least", above=0, most=100)
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
@@ -175,8 +195,16 @@ class _Switched(Component):
 
     flow: FlowRate = parameter("flow through one path, fully open, at the rated pressure drop", above=0, most=1)
     at: Pressure = parameter("rated pressure drop per path", above=0, most=1e8)
-    switching_time: Time = parameter("time T for the full travel", default=50e-3, above=0, most=100)
-    leakage: Ratio = parameter("opening that remains when closed, of full area", default=1e-6, least=0, most=0.1)
+    switching_time: Time = parameter(
+        "time T for the full travel", default=50e-3, reason="solenoid valves: 20 to 100 ms", above=0, most=100
+    )
+    leakage: Ratio = parameter(
+        "opening that remains when closed, of full area",
+        default=1e-6,
+        reason="a poppet is tight; keeps a locked line determined",
+        least=0,
+        most=0.1,
+    )
     opening: Ratio = initial("opening at the start", least=0, most=1)
     transition_pressure: Pressure = transition_pressure()
     sources = (DISSERTATION,)

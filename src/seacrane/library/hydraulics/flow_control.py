@@ -37,7 +37,13 @@ class PressureCompensator(Component):
     """
 
     flow: FlowRate = parameter("flow, fully open, at 5 bar", above=0, most=1)
-    setting: Pressure = parameter("pressure drop p_s - p_ls at which it is closed", default=10 * bar, above=0, most=1e8)
+    setting: Pressure = parameter(
+        "pressure drop p_s - p_ls at which it is closed",
+        default=10 * bar,
+        reason="compensators are set to 5 to 15 bar",
+        above=0,
+        most=1e8,
+    )
     transition_pressure: Pressure = transition_pressure()
     ports = {
         "a": Hydraulic("inlet"),
@@ -73,9 +79,11 @@ class FlowDivider(Component):
     gives the rest.
     """
 
-    share: Ratio = parameter("share r of the flow that b gets", default=0.5, above=0, below=1)
+    share: Ratio = parameter("share r of the flow that b gets", default=0.5, reason="equal sections", above=0, below=1)
     friction: Pressure = parameter("pressure drop of friction", default=0.0, least=0, most=1e7)
-    friction_flow: FlowRate = parameter("flow within which it turns its sign", default=1e-5, above=0, most=1)
+    friction_flow: FlowRate = parameter(
+        "flow within which it turns its sign", default=1e-5, reason="0.6 l/min, below any working flow", above=0, most=1
+    )
     ports = {"a": Hydraulic("inlet"), "b": Hydraulic("outlet of share r"), "c": Hydraulic("outlet of the rest")}
     bond_graph = BondGraph(
         "through: 1, friction: R, shaft: 1, inlet: TF, section_b: TF, section_c: TF",
@@ -107,8 +115,20 @@ class Filter(Component):
     flow: FlowRate = parameter("rated flow", above=0, most=1)
     at: Pressure = parameter("pressure drop of the clean element at the rated flow, at 30 mm2/s", above=0, most=1e7)
     clogging: Ratio = parameter("share of the element that is clogged", default=0.0, least=0, most=1)
-    crack: Pressure = parameter("pressure drop at which the bypass opens", default=3.5 * bar, above=0, most=1e7)
-    full: Pressure = parameter("pressure drop at which it is fully open", default=5 * bar, above=0, most=1e7)
+    crack: Pressure = parameter(
+        "pressure drop at which the bypass opens",
+        default=3.5 * bar,
+        reason="common setting of return filters",
+        above=0,
+        most=1e7,
+    )
+    full: Pressure = parameter(
+        "pressure drop at which it is fully open",
+        default=5 * bar,
+        reason="below the collapse pressure of return elements, 10 bar",
+        above=0,
+        most=1e7,
+    )
     viscosity: KinematicViscosity = viscosity()
     transition_pressure: Pressure = transition_pressure()
     ports = {"a": Hydraulic("dirty side"), "b": Hydraulic("clean side")}
@@ -144,7 +164,13 @@ class ShuttleValve(Component):
 
     flow: FlowRate = parameter("flow at the rated pressure drop", above=0, most=1)
     at: Pressure = parameter("rated pressure drop", above=0, most=1e8)
-    shift: Pressure = parameter("pressure difference that moves the ball over", default=0.5 * bar, above=0, most=1e7)
+    shift: Pressure = parameter(
+        "pressure difference that moves the ball over",
+        default=0.5 * bar,
+        reason="a light ball without a spring",
+        above=0,
+        most=1e7,
+    )
     transition_pressure: Pressure = transition_pressure()
     ports = {"a": Hydraulic("inlet"), "b": Hydraulic("other inlet"), "c": Hydraulic("outlet")}
     bond_graph = BondGraph(

@@ -25,27 +25,45 @@ VISCOSITY: Final = 46e-6
 # ---------------------------------------------------------------- shared parameters
 def density() -> Any:
     """Shared density of the oil [kg/m3]: 870, a mineral oil at working temperature."""
-    return shared("density of the oil", default=DENSITY, above=0, most=3e3)
+    return shared(
+        "density of the oil", default=DENSITY, reason="a mineral oil at working temperature", above=0, most=3e3
+    )
 
 
 def bulk_modulus() -> Any:
     """Shared effective bulk modulus [Pa]: 1.2e9, oil with a little air, in pipes and hoses."""
-    return shared("effective bulk modulus of oil, air and hoses", default=BULK_MODULUS, least=1e6, most=1e15)
+    return shared(
+        "effective bulk modulus of oil, air and hoses",
+        default=BULK_MODULUS,
+        reason="oil with a little air, in pipes and hoses",
+        least=1e6,
+        most=1e15,
+    )
 
 
 def transition_pressure() -> Any:
     """Shared pressure drop [Pa] below which orifice flow turns laminar: 0.1 bar."""
-    return shared("pressure drop at which orifice flow turns laminar", default=0.1 * bar, above=0, most=1e7)
+    return shared(
+        "pressure drop at which orifice flow turns laminar",
+        default=0.1 * bar,
+        reason="as orifices of valves do, at Reynolds numbers of a few 100",
+        above=0,
+        most=1e7,
+    )
 
 
 def viscosity() -> Any:
     """Shared kinematic viscosity [m2/s]: 46 mm2/s, an ISO VG 46 oil at 40 degrees Celsius (ISO 3448)."""
-    return shared("kinematic viscosity of the oil", default=VISCOSITY, above=0, most=1.0)
+    return shared(
+        "kinematic viscosity of the oil", default=VISCOSITY, reason="ISO VG 46 at 40 degrees Celsius", above=0, most=1.0
+    )
 
 
 def atmospheric_pressure() -> Any:
     """Shared absolute pressure [Pa] of the surroundings: 1.01325 bar at sea level, more in the deep."""
-    return shared("absolute pressure at gauge pressure zero", default=ATMOSPHERE, above=0, most=1e8)
+    return shared(
+        "absolute pressure at gauge pressure zero", default=ATMOSPHERE, reason="standard atmosphere", above=0, most=1e8
+    )
 
 
 # ---------------------------------------------------------------- temperature

@@ -31,7 +31,11 @@ class _Motor(Component):
     displacement: Displacement = parameter("displacement", above=0, most=1e-2)
     count: Ratio = parameter("number of equal motors on the shaft", default=1, above=0, most=100)
     friction_speed: AngularSpeed = parameter(
-        "speed within which friction turns its sign", default=0.1, above=0, most=10
+        "speed within which friction turns its sign",
+        default=0.1,
+        reason="1 rpm, below working speeds",
+        above=0,
+        most=10,
     )
     sources = (f"{MERRITT}, chapter 4", DISSERTATION)
 
@@ -63,8 +67,20 @@ class _FrictionLosses(_Motor):
 class _EfficiencyLosses(_Motor):
     """Losses given as efficiencies at full stroke, at a rated pressure and speed."""
 
-    volumetric_efficiency: Ratio = parameter("volumetric efficiency at the rated point", default=0.95, above=0, most=1)
-    mechanical_efficiency: Ratio = parameter("mechanical efficiency at full stroke", default=0.93, above=0, most=1)
+    volumetric_efficiency: Ratio = parameter(
+        "volumetric efficiency at the rated point",
+        default=0.95,
+        reason="axial piston motors: 0.93 to 0.97",
+        above=0,
+        most=1,
+    )
+    mechanical_efficiency: Ratio = parameter(
+        "mechanical efficiency at full stroke",
+        default=0.93,
+        reason="axial piston motors: 0.90 to 0.95",
+        above=0,
+        most=1,
+    )
     rated_pressure: Pressure = parameter("pressure drop of the rated point", above=0, most=1e8)
     rated_speed: AngularSpeed = parameter("speed of the rated point", above=0, most=1e4)
     transition_pressure: Pressure = transition_pressure()
@@ -130,7 +146,9 @@ class VariableHydraulicMotor(_Motor):
     under load, or it overspeeds. Leakage and friction are those of full stroke. Levels as those of `HydraulicMotor`.
     """
 
-    least_stroke: Ratio = parameter("least stroke, of full", default=-1.0, least=-1, below=1)
+    least_stroke: Ratio = parameter(
+        "least stroke, of full", default=-1.0, reason="over-centre, as for a closed circuit", least=-1, below=1
+    )
     ports = {
         "r": SignalIn("1", "stroke, of full", minimum=-1, maximum=1),
         "a": Hydraulic("inlet at w > 0 and r > 0"),

@@ -28,7 +28,9 @@ class Orifice(Component):
     """
 
     diameter: Diameter = parameter("bore of the orifice", above=0, most=1.0)
-    discharge: Ratio = parameter("discharge coefficient", default=0.7, above=0, most=1)
+    discharge: Ratio = parameter(
+        "discharge coefficient", default=0.7, reason="rounded edges; 0.61 for sharp ones", above=0, most=1
+    )
     density: Density = density()
     transition_pressure: Pressure = transition_pressure()
     ports = {"a": Hydraulic("inlet"), "b": Hydraulic("outlet")}
@@ -46,7 +48,9 @@ class VariableOrifice(Component):
     """An orifice whose area a signal k in [0, 1] scales; k is held within its limits, closed means no flow."""
 
     diameter: Diameter = parameter("bore of the fully open orifice", above=0, most=1.0)
-    discharge: Ratio = parameter("discharge coefficient", default=0.7, above=0, most=1)
+    discharge: Ratio = parameter(
+        "discharge coefficient", default=0.7, reason="rounded edges; 0.61 for sharp ones", above=0, most=1
+    )
     density: Density = density()
     transition_pressure: Pressure = transition_pressure()
     ports = {"k": SignalIn("1", "opening", minimum=0, maximum=1), "a": Hydraulic("inlet"), "b": Hydraulic("outlet")}

@@ -176,7 +176,9 @@ class Hose(Component):
     length: Length = parameter("length of the hose", above=0, most=1e3)
     diameter: Diameter = parameter("inner diameter", above=0, most=1)
     wall_modulus: Pressure = parameter("pressure per relative growth of the inner volume", above=1e6, most=1e12)
-    roughness: Length = parameter("height of the wall's roughness", default=0.005 * mm, least=0, most=0.01)
+    roughness: Length = parameter(
+        "height of the wall's roughness", default=0.005 * mm, reason="smooth rubber", least=0, most=0.01
+    )
     density: Density = density()
     viscosity: KinematicViscosity = viscosity()
     bulk_modulus: Pressure = bulk_modulus()

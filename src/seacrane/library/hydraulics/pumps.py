@@ -86,7 +86,13 @@ class PressureControlledPump(Pump, level="pressure-controlled"):
     displacement: Displacement = parameter("displacement", above=0, most=1e-2)
     speed: AngularSpeed = parameter("shaft speed", least=0, most=1e3)
     pressure: Pressure = parameter("pressure (gauge) at which the flow has gone", above=0, most=1e8)
-    full_stroke: Pressure = parameter("how far below it the stroke is full", default=10 * bar, above=0, most=1e8)
+    full_stroke: Pressure = parameter(
+        "how far below it the stroke is full",
+        default=10 * bar,
+        reason="pressure controllers: 5 to 15 bar",
+        above=0,
+        most=1e8,
+    )
     bond_graph = BondGraph("supply: MSf", "supply |-> p, p ~> supply")
     icon = symbols.PUMP_PRESSURE_CONTROLLED
 
@@ -131,9 +137,19 @@ class LoadSensingPump(Component):
     displacement: Displacement = parameter("displacement", above=0, most=1e-2)
     speed: AngularSpeed = parameter("shaft speed", least=0, most=1e3)
     cut_off: Pressure = parameter("highest pressure (gauge), whatever the load", above=0, most=1e8)
-    margin: Pressure = parameter("pressure kept above that of the load", default=20 * bar, above=0, most=1e8)
+    margin: Pressure = parameter(
+        "pressure kept above that of the load",
+        default=20 * bar,
+        reason="load-sensing controllers: 15 to 25 bar",
+        above=0,
+        most=1e8,
+    )
     full_stroke: Pressure = parameter(
-        "how far below its reference the stroke is full", default=5 * bar, above=0, most=1e8
+        "how far below its reference the stroke is full",
+        default=5 * bar,
+        reason="a fraction of the margin",
+        above=0,
+        most=1e8,
     )
     ports = {"p": Hydraulic("outlet"), "ls": Hydraulic("pressure of the load")}
     bond_graph = BondGraph("supply: MSf, sensing: Sf", "supply |-> p, ls ->| sensing, p ~> supply, ls ~> supply")
@@ -163,7 +179,9 @@ class StaticLoadSensingPump(LoadSensingPump, level="static"):
 class DynamicLoadSensingPump(LoadSensingPump, level="dynamic"):
     """The swash plate follows with a lag: T k' + k = k_s. T is 30 to 100 ms in pumps of this kind."""
 
-    time_constant: Time = parameter("time constant of the swash plate", default=50e-3, above=0, most=10)
+    time_constant: Time = parameter(
+        "time constant of the swash plate", default=50e-3, reason="30 to 100 ms in pumps of this kind", above=0, most=10
+    )
 
     def equations(self, m: Any) -> Iterator[tuple[Any, Any]]:
         k = yield from lagging(m, "swash", self.stroke(m), self.time_constant, about="stroke, of full")
@@ -184,13 +202,23 @@ class ShaftPump(Component):
 
     displacement: Displacement = parameter("displacement", above=0, most=1e-2)
     pressure: Pressure = parameter("pressure over suction at which the flow has gone", above=0, most=1e8)
-    full_stroke: Pressure = parameter("how far below it the stroke is full", default=10 * bar, above=0, most=1e8)
+    full_stroke: Pressure = parameter(
+        "how far below it the stroke is full",
+        default=10 * bar,
+        reason="pressure controllers: 5 to 15 bar",
+        above=0,
+        most=1e8,
+    )
     power_limit: Power = parameter("most hydraulic power", above=0, most=1e8)
     leakage: Leakage = parameter("leakage from outlet to suction", default=0.0, least=0, most=1e-6)
     viscous_friction: RotationalDamping = parameter("viscous friction", default=0.0, least=0, most=1e6)
     coulomb_friction: Torque = parameter("Coulomb friction torque", default=0.0, least=0, most=1e6)
     friction_speed: AngularSpeed = parameter(
-        "speed within which friction turns its sign", default=0.1, above=0, most=10
+        "speed within which friction turns its sign",
+        default=0.1,
+        reason="1 rpm, below working speeds",
+        above=0,
+        most=10,
     )
     ports = {"s": Hydraulic("suction"), "p": Hydraulic("outlet"), "shaft": Rotational("shaft")}
     bond_graph = BondGraph(

@@ -40,8 +40,20 @@ class CounterbalanceValve(Component):
     crack: Pressure = parameter("p_load + R p_pilot at which the relief opens", above=0, most=1e8)
     full: Pressure = parameter("p_load + R p_pilot at which the relief is fully open", above=0, most=1e8)
     ratio: Ratio = parameter("pilot ratio R", least=0, most=20)
-    check_pressure: Pressure = parameter("pressure drop that opens the check", default=1 * bar, above=0, most=1e7)
-    leakage: Ratio = parameter("opening that remains when closed, of full area", default=1e-6, least=0, most=0.1)
+    check_pressure: Pressure = parameter(
+        "pressure drop that opens the check",
+        default=1 * bar,
+        reason="a weak spring, not to waste power",
+        above=0,
+        most=1e7,
+    )
+    leakage: Ratio = parameter(
+        "opening that remains when closed, of full area",
+        default=1e-6,
+        reason="a poppet is tight; keeps a locked line determined",
+        least=0,
+        most=0.1,
+    )
     transition_pressure: Pressure = transition_pressure()
     ports = {"a": Hydraulic("valve side"), "b": Hydraulic("load side"), "pilot": Hydraulic("pilot pressure")}
     bond_graph = BondGraph(
@@ -203,8 +215,20 @@ class CheckValve(Component):
 
     flow: FlowRate = parameter("flow, fully open, at the rated pressure drop", above=0, most=1)
     at: Pressure = parameter("rated pressure drop", above=0, most=1e8)
-    crack: Pressure = parameter("pressure drop at which the poppet lifts", default=0.5 * bar, above=0, most=1e7)
-    full: Pressure = parameter("pressure drop at which it is fully open", default=2 * bar, above=0, most=1e8)
+    crack: Pressure = parameter(
+        "pressure drop at which the poppet lifts",
+        default=0.5 * bar,
+        reason="the common spring of check valves",
+        above=0,
+        most=1e7,
+    )
+    full: Pressure = parameter(
+        "pressure drop at which it is fully open",
+        default=2 * bar,
+        reason="four times the cracking pressure",
+        above=0,
+        most=1e8,
+    )
     transition_pressure: Pressure = transition_pressure()
     ports = {"a": Hydraulic("inlet"), "b": Hydraulic("outlet")}
     bond_graph = BondGraph("through: 1, seat: R", "a -> through, through -> b, through ->| seat")
@@ -234,8 +258,16 @@ class PilotOperatedCheckValve(Component):
     flow: FlowRate = parameter("flow, fully open, at the rated pressure drop", above=0, most=1)
     at: Pressure = parameter("rated pressure drop", above=0, most=1e8)
     ratio: Ratio = parameter("pilot ratio R", above=0, most=50)
-    crack: Pressure = parameter("lift at which the poppet leaves its seat", default=0.5 * bar, above=0, most=1e7)
-    full: Pressure = parameter("lift at which it is fully open", default=2 * bar, above=0, most=1e8)
+    crack: Pressure = parameter(
+        "lift at which the poppet leaves its seat",
+        default=0.5 * bar,
+        reason="the common spring of check valves",
+        above=0,
+        most=1e7,
+    )
+    full: Pressure = parameter(
+        "lift at which it is fully open", default=2 * bar, reason="four times the cracking pressure", above=0, most=1e8
+    )
     transition_pressure: Pressure = transition_pressure()
     ports = {"a": Hydraulic("inlet"), "b": Hydraulic("load"), "pilot": Hydraulic("pilot pressure")}
     bond_graph = BondGraph(
@@ -268,8 +300,20 @@ class AnticavitationValve(Component):
 
     flow: FlowRate = parameter("flow, fully open, at the rated pressure drop", above=0, most=1)
     at: Pressure = parameter("rated pressure drop", above=0, most=1e8)
-    crack: Pressure = parameter("pressure drop at which the poppet lifts", default=0.1 * bar, above=0, most=1e6)
-    full: Pressure = parameter("pressure drop at which it is fully open", default=0.4 * bar, above=0, most=1e6)
+    crack: Pressure = parameter(
+        "pressure drop at which the poppet lifts",
+        default=0.1 * bar,
+        reason="must open before the line is at vacuum",
+        above=0,
+        most=1e6,
+    )
+    full: Pressure = parameter(
+        "pressure drop at which it is fully open",
+        default=0.4 * bar,
+        reason="well below the 1 bar that the atmosphere gives",
+        above=0,
+        most=1e6,
+    )
     transition_pressure: Pressure = transition_pressure()
     ports = {"t": Hydraulic("tank"), "a": Hydraulic("line to keep filled")}
     bond_graph = BondGraph("through: 1, seat: R", "t -> through, through -> a, through ->| seat")

@@ -75,8 +75,20 @@ class EntrainedAirVolume(Volume, level="entrained-air"):
     """
 
     volume: CubicMetres = parameter("volume of oil", above=0, most=1e2)
-    air: Ratio = parameter("share of air by volume at atmospheric pressure", default=0.01, least=0, below=0.5)
-    exponent: Ratio = parameter("polytropic exponent n of the air", default=1.4, least=1, most=1.67)
+    air: Ratio = parameter(
+        "share of air by volume at atmospheric pressure",
+        default=0.01,
+        reason="0.005 to 0.02 in a working system",
+        least=0,
+        below=0.5,
+    )
+    exponent: Ratio = parameter(
+        "polytropic exponent n of the air",
+        default=1.4,
+        reason="bubbles are compressed too fast to give off heat",
+        least=1,
+        most=1.67,
+    )
     bulk_modulus: Pressure = bulk_modulus()
     atmospheric_pressure: Pressure = atmospheric_pressure()
     pressure: Pressure = initial("pressure at the start (gauge)", least=-1e5, most=1e8)

@@ -38,7 +38,13 @@ class MotionInput(Component):
     integral of F v_eff, what has left the drive.
     """
 
-    correction: Frequency = parameter("rate of following the partner's position", default=5.0, least=0, most=1e4)
+    correction: Frequency = parameter(
+        "rate of following the partner's position",
+        default=5.0,
+        reason="drift goes in 0.2 s, slow beside the oil",
+        least=0,
+        most=1e4,
+    )
     position: Length = initial("position of the partner at the start", least=-1e5, most=1e5)
     ports = {
         "v": SignalIn("m/s", "speed of the partner"),

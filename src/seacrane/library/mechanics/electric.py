@@ -27,9 +27,15 @@ class ElectricMotor(Component):
     """
 
     breakdown_torque: Torque = parameter("most torque T_m", above=0, most=1e7)
-    breakdown_slip: Ratio = parameter("slip s_m at that torque", default=0.15, above=0, most=1)
-    mains: Frequency = parameter("frequency f of the mains", default=60.0, above=0, most=400)
-    pole_pairs: Ratio = parameter("pairs of poles", default=2, least=1, most=20)
+    breakdown_slip: Ratio = parameter(
+        "slip s_m at that torque", default=0.15, reason="motors of 50 to 500 kW: 0.1 to 0.2", above=0, most=1
+    )
+    mains: Frequency = parameter(
+        "frequency f of the mains", default=60.0, reason="the usual net of ships", above=0, most=400
+    )
+    pole_pairs: Ratio = parameter(
+        "pairs of poles", default=2, reason="1800 rpm at 60 Hz, as pumps like it", least=1, most=20
+    )
     inertia: Inertia = parameter("inertia of rotor and coupling", above=0, most=1e6)
     speed: AngularSpeed = initial("speed at the start", least=0, most=1e3)
     ports = {"shaft": Rotational("shaft")}

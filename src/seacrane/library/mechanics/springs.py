@@ -175,7 +175,13 @@ class RopeSpring(Component):
 
     stiffness: Stiffness = parameter("stiffness k", least=0, most=1e13)
     damping: Damping = parameter("damping c", least=0, most=1e12)
-    onset: Length = parameter("stretch over which the damping comes in", default=1 * mm, above=0, most=1)
+    onset: Length = parameter(
+        "stretch over which the damping comes in",
+        default=1 * mm,
+        reason="small beside the stretch under load",
+        above=0,
+        most=1,
+    )
     stretch: Length = initial("stretch at the start, slack below zero", least=-1e3, most=1e3)
     ports = {"a": Translational("one end"), "b": Translational("other end")}
     bond_graph = BondGraph(
@@ -208,7 +214,13 @@ class EndStop(Component):
 
     stiffness: Stiffness = parameter("stiffness k", least=0, most=1e13)
     damping: Damping = parameter("damping c", least=0, most=1e12)
-    onset: Length = parameter("depth over which the damping comes in", default=1 * mm, above=0, most=1)
+    onset: Length = parameter(
+        "depth over which the damping comes in",
+        default=1 * mm,
+        reason="small beside the depth under load",
+        above=0,
+        most=1,
+    )
     depth: Length = initial("depth at the start; the gap is -depth", least=-1e3, most=1e3)
     ports = {"a": Translational("part that comes"), "b": Translational("part that is met")}
     bond_graph = BondGraph(
@@ -241,7 +253,13 @@ class RotationalFriction(Component):
 
     viscous: RotationalDamping = parameter("viscous friction", least=0, most=1e12)
     coulomb: Torque = parameter("Coulomb friction torque", least=0, most=1e9)
-    friction_speed: AngularSpeed = parameter("speed within which it turns its sign", default=1e-2, above=0, most=10)
+    friction_speed: AngularSpeed = parameter(
+        "speed within which it turns its sign",
+        default=1e-2,
+        reason="0.1 rpm, below working speeds of slewing gears",
+        above=0,
+        most=10,
+    )
     ports = {"flange": Rotational("shaft")}
     bond_graph = BondGraph("friction: R", "flange |-> friction")
     icon = symbols.FRICTION

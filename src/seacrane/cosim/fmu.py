@@ -20,6 +20,8 @@ from seacrane.units import UNITS
 
 MOST_ELEMENTS = 4096
 """Elements of an array that are signals; a larger one is left out."""
+MOST_SIGNALS = 200_000
+"""Signals of an FMU; what would make more of them is left out."""
 
 
 class FmuSlave(Slave):
@@ -60,12 +62,15 @@ class FmuSlave(Slave):
         left_out: dict[str, str] = {}
         kinds: dict[str, str] = {}
         self._plain = True
+        count = 0
         units = known_units(self.description)
         for v in self.description.variables:
             symbol = unit_symbol(v, units)
             if v.causality == "independent":
                 continue
             reason = _why_not(v, symbol)
+            if not reason and (count := count + v.count) > MOST_SIGNALS:
+                reason = f"the FMU has more than {MOST_SIGNALS} signals before it"
             if not reason and v.causality != "parameter" and not _is_plain(v) and not fmi.exchanges_all_types():
                 reason = f"it is {v.type}, which needs a C compiler to be exchanged"
             if reason or symbol is None:

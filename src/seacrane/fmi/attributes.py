@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Final, TypeVar
 
-from seacrane.errors import Problem
+from seacrane.errors import FmuError, Problem
 from seacrane.fmi.description import Experiment, Scalar, UnitDefinition
 from seacrane.fmi.xml import EXPONENTS, FILE, Element
 
@@ -25,6 +25,13 @@ _INHERITED: Final[tuple[str, ...]] = (
 """Attributes that a variable takes from its declared type if it does not give them itself."""
 
 
+MOST_PROBLEMS: Final = 200
+"""Problems of one description that are told; a file with more is given up."""
+MOST_ITEMS: Final = 1_000_000
+"""Items of a list in one attribute: start values, dependencies."""
+LONGEST_SHOWN: Final = 200
+
+
 def at(line: int) -> str:
     """Where a line of the model description is, for messages."""
     return f"{FILE}:{line}"
@@ -40,19 +47,20 @@ class Reader:
         """The attribute; required if the default is None."""
         value = element.attributes.get(name, default)
         if value is None:
-            self.problems.append(Problem(at(element.line), f"<{element.tag}> lacks the attribute {name!r}"))
+            self.found(element, f"<{element.tag}> lacks the attribute {name!r}")
             return ""
         return value
 
     def found(self, element: Element, message: str, value: object = None, allowed: str | None = None) -> None:
-        """Remembers what is wrong with an element."""
-        self.problems.append(Problem(at(element.line), message, value, allowed))
+        """Remembers what is wrong with an element. Raises `FmuError` when that is too much to go on."""
+        self.problems.append(Problem(at(element.line), shortened(message), _shown(value), allowed))
+        if len(self.problems) >= MOST_PROBLEMS:
+            raise FmuError([*self.problems, Problem(FILE, f"has more than {MOST_PROBLEMS} problems")])
 
     def choice(self, element: Element, name: str, allowed: tuple[str, ...], default: str) -> str:
         value = element.attributes.get(name, default)
         if value not in allowed:
-            message = f"attribute {name!r} of <{element.tag}>"
-            self.problems.append(Problem(at(element.line), message, value, ", ".join(allowed)))
+            self.found(element, f"attribute {name!r} of <{element.tag}>", value, ", ".join(allowed))
             return default
         return value
 
@@ -69,13 +77,12 @@ class Reader:
         self.text(element, "valueReference", None)
         value = self.integer(element, "valueReference")
         if value is not None and not 0 <= value < 2**32:
-            message = f"attribute 'valueReference' of <{element.tag}>"
-            self.problems.append(Problem(at(element.line), message, value, "0 to 4294967295"))
+            self.found(element, f"attribute 'valueReference' of <{element.tag}>", value, "0 to 4294967295")
         return value or 0
 
     def indices(self, element: Element, name: str) -> tuple[int, ...] | None:
         return self.convert(
-            element, name, lambda s: tuple(to_integer(i) for i in s.split()), "a list of variable indices"
+            element, name, lambda s: tuple(to_integer(i) for i in items(s)), "a list of variable indices"
         )
 
     def convert(self, element: Element, name: str, convert: Callable[[str], T], allowed: str) -> T | None:
@@ -85,8 +92,26 @@ class Reader:
         try:
             return convert(text)
         except ValueError:
-            self.problems.append(Problem(at(element.line), f"attribute {name!r} of <{element.tag}>", text, allowed))
+            self.found(element, f"attribute {name!r} of <{element.tag}>", text, allowed)
             return None
+
+
+def items(text: str) -> list[str]:
+    """The items of a list in an attribute; `ValueError` if there are too many to be meant."""
+    if len(text) > 2 * MOST_ITEMS and text.count(" ") >= MOST_ITEMS:
+        raise ValueError(text)
+    return text.split()
+
+
+def shortened(text: str) -> str:
+    """A text from a file as it is shown in a message."""
+    return text if len(text) <= LONGEST_SHOWN else f"{text[: LONGEST_SHOWN - 3]}..."
+
+
+def _shown(value: object) -> object:
+    if isinstance(value, str):
+        return shortened(value)
+    return [*value[:10], "..."] if isinstance(value, list) and len(value) > 10 else value
 
 
 def to_real(text: str) -> float:

@@ -5,18 +5,19 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator
-from itertools import chain
+from itertools import islice
 from pathlib import Path
 from typing import Final
 
 from seacrane.errors import FmuError, Problem
 from seacrane.fmi.archive import description_text, opened, text_of
+from seacrane.fmi.attributes import MOST_PROBLEMS, shortened
 from seacrane.fmi.description import REALS, Capabilities, ModelDescription, Unknown, Variable
 from seacrane.fmi.naming import is_flat, is_structured
 from seacrane.fmi.platforms import binary_path, has_sources, host, platforms
 from seacrane.fmi.reading import TERMINALS, read_description, read_terminals
 from seacrane.fmi.schema import cited, structure_problems
-from seacrane.fmi.xml import FILE, parse_xml
+from seacrane.fmi.xml import FILE, Element, parse_xml
 
 _ALLOWED: Final = {
     "parameter": {"fixed": "exact", "tunable": "exact"},
@@ -56,34 +57,41 @@ def check(path: str | Path) -> list[Problem]:
             terminals = parse_xml(text_of(archive, TERMINALS)) if TERMINALS in names else None
     except FmuError as error:
         return list(error.problems)
-    version = root.attributes.get("fmiVersion", "")
-    problems = list(structure_problems(root, version)) if root.tag == "fmiModelDescription" else []
+    found = list(islice(_findings(root, terminals, names), MOST_PROBLEMS + 1))
+    if len(found) > MOST_PROBLEMS:
+        found[-1] = Problem(FILE, f"has more than {MOST_PROBLEMS} problems; these are the first")
+    return found
+
+
+def _findings(root: Element, terminals: Element | None, names: list[str]) -> Iterator[Problem]:
+    seen = set()
+    if root.tag == "fmiModelDescription":
+        for problem in structure_problems(root, root.attributes.get("fmiVersion", "")):
+            seen.add((problem.path, problem.message))
+            yield problem
     try:
         description = read_description(root)
     except FmuError as error:
-        seen = {(p.path, p.message) for p in problems}
-        return problems + [p for p in error.problems if (p.path, p.message) not in seen]
+        yield from (p for p in error.problems if (p.path, p.message) not in seen)
+        return
     if terminals is not None:
         try:
             read_terminals(terminals, description)
         except FmuError as error:
-            problems += error.problems
-    return problems + list(
-        chain(
-            _files(description, names),
-            _variables(description),
-            _aliases(description),
-            _units(description),
-            _structure(description),
-        )
-    )
+            yield from error.problems
+    yield from _files(description, names)
+    yield from _variables(description)
+    yield from _aliases(description)
+    yield from _units(description)
+    yield from _structure(description)
 
 
 def _problem(
     d: ModelDescription, path: str, message: str, section: str, value: object = None, allowed: str | None = None
 ) -> Problem:
     """A finding with the section of FMI 2.0, or the one of FMI 3.0 that takes its place."""
-    return Problem(path, message, value, allowed, cited(section, d.fmi_version))
+    shown = shortened(value) if isinstance(value, str) else value
+    return Problem(shortened(path), shortened(message), shown, allowed, cited(section, d.fmi_version))
 
 
 def _files(d: ModelDescription, names: list[str]) -> Iterator[Problem]:
@@ -182,10 +190,14 @@ def _aliases(d: ModelDescription) -> Iterator[Problem]:
 
 
 def _unique_references(d: ModelDescription) -> Iterator[Problem]:
-    for reference, count in Counter(v.value_reference for v in d.variables if v.alias_of is None).items():
-        if count > 1:
-            names = ", ".join(v.name for v in d.variables if v.value_reference == reference and v.alias_of is None)
-            yield _problem(d, names, "share a value reference; an alias must be an <Alias>", "2.2.7", reference)
+    groups: dict[int, list[str]] = {}
+    for v in d.variables:
+        if v.alias_of is None:
+            groups.setdefault(v.value_reference, []).append(v.name)
+    for reference, group in groups.items():
+        if len(group) > 1:
+            message = "share a value reference; an alias must be an <Alias>"
+            yield _problem(d, ", ".join(group), message, "2.2.7", reference)
 
 
 def _units(d: ModelDescription) -> Iterator[Problem]:

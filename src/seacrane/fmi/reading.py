@@ -9,7 +9,7 @@ from typing import Final
 
 from seacrane.errors import FmuError, Problem
 from seacrane.fmi.archive import description_text, text_of
-from seacrane.fmi.attributes import Reader
+from seacrane.fmi.attributes import MOST_PROBLEMS, Reader, shortened
 from seacrane.fmi.description import ModelDescription, Terminal
 from seacrane.fmi.platforms import has_sources, platforms
 from seacrane.fmi.reading1 import read1
@@ -68,7 +68,10 @@ def read_terminals(root: Element, description: ModelDescription) -> tuple[Termin
             for member in element.all("TerminalMemberVariable"):
                 variable = member.attributes.get("variableName", "")
                 if variable not in description.by_name:
-                    problems.append(Problem(f"{TERMINALS}:{member.line}", "there is no such variable", variable))
+                    where = f"{TERMINALS}:{member.line}"
+                    problems.append(Problem(where, "there is no such variable", shortened(variable)))
+                    if len(problems) == MOST_PROBLEMS:
+                        raise FmuError(problems)
                 members[member.attributes.get("memberName", variable)] = variable
             terminals.append(
                 Terminal(

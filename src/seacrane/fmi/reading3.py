@@ -13,6 +13,7 @@ from seacrane.fmi.attributes import (
     enumeration_items,
     experiment,
     inherited,
+    items,
     to_boolean,
     to_integer,
     to_real,
@@ -192,7 +193,7 @@ def _start(reader: Reader, element: Element) -> Value | None:
                 raise ValueError(text)
             return value
 
-    values = reader.convert(element, "start", lambda text: tuple(convert(item) for item in text.split()), allowed)
+    values = reader.convert(element, "start", lambda text: tuple(convert(item) for item in items(text)), allowed)
     if values is None or (not values and not element.first("Dimension")):
         return None
     return values[0] if len(values) == 1 and not element.first("Dimension") else values

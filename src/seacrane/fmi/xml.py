@@ -14,6 +14,7 @@ LARGEST: Final = 32 * 1024 * 1024
 DEEPEST: Final = 32
 MOST_PARTS: Final = 2_000_000
 """Elements and attributes together: each takes some 200 bytes, so that a hostile file cannot fill the memory."""
+LONGEST_NAME: Final = 256
 _LONGEST_TEXT = 4096
 EXPONENTS: Final = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
@@ -53,6 +54,10 @@ def parse_xml(text: bytes, file: str = FILE, *, local: bool = False) -> Element:
     def start(tag: str, attributes: dict[str, str]) -> None:
         if len(stack) > DEEPEST:
             raise FmuError.at(here(), f"elements are nested more than {DEEPEST} deep")
+        if any(len(name) > LONGEST_NAME for name in (tag, *attributes)):
+            raise FmuError.at(
+                here(), f"has an element or attribute whose name is longer than {LONGEST_NAME} characters"
+            )
         nonlocal parts
         parts += 1 + len(attributes)
         if parts > MOST_PARTS:

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from seacrane import fmi
+from seacrane.cosim import FmuSlave
 from seacrane.errors import FmuError
 from seacrane.fmi import archive as archive_room
 from seacrane.fmi import xml as xml_room
@@ -23,10 +24,10 @@ def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
-def packed(path: Path, entries: dict[str, bytes | str]) -> Path:
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+def packed(path: Path, entries: dict[str, bytes | str], method: int = zipfile.ZIP_DEFLATED) -> Path:
+    with zipfile.ZipFile(path, "w", method) as archive:
         for name, content in entries.items():
-            archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)
+            archive.writestr(zipfile.ZipInfo(name), content, method)
     return path
 
 
@@ -44,6 +45,14 @@ DESCRIPTION = """<?xml version="1.0"?>
   <ModelVariables><ScalarVariable name="x" valueReference="0"><Real/></ScalarVariable></ModelVariables>
   <ModelStructure/>
 </fmiModelDescription>
+"""
+
+
+TWO = DESCRIPTION
+THREE = """<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="3.0" modelName="m" instantiationToken="g"><CoSimulation modelIdentifier="m"/>
+<ModelVariables><Float64 name="x" valueReference="1" causality="parameter" start="1"/></ModelVariables>
+<ModelStructure/></fmiModelDescription>
 """
 
 
@@ -188,3 +197,57 @@ def test_the_private_folder_goes_with_the_fmu(piston_fmu: Path, scratch: Path) -
     forgotten = fmi.Fmu(piston_fmu)
     del forgotten
     assert list(scratch.iterdir()) == []
+
+
+def test_a_description_with_no_end_of_problems_is_given_up(tmp_path: Path) -> None:
+    head, _, tail = THREE.partition("<Float64")
+    same = "".join(f'<Float64 name="x{i}" valueReference="{i // 2}" start="1"/>' for i in range(20_000))
+    path = packed(tmp_path / "a.fmu", {"modelDescription.xml": f"{head}{same}<Float64{tail}"})
+    problems = fmi.check(path)
+    assert len(problems) == 201
+    assert str(problems[-1]) == "modelDescription.xml: has more than 200 problems; these are the first"
+    wrong = "".join('<Float64 name="x" valueReference="one"/>' for _ in range(20_000))
+    path = packed(tmp_path / "b.fmu", {"modelDescription.xml": f"{head}{wrong}<Float64{tail}"}, zipfile.ZIP_STORED)
+    with pytest.raises(FmuError, match="has more than 200 problems") as caught:
+        fmi.read(path)
+    assert len(caught.value.problems) == 201
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (TWO.replace("<Real/>", f'<Real {"b" * 1000}="1"/>'), "whose name is longer than 256 characters"),
+        (TWO.replace("<Real/>", f'<Real min="{"l" * 100_000}"/>'), "attribute 'min' of <Real> (got 'lll"),
+        (THREE.replace('start="1"', f'start="{"1 " * 1_000_001}"'), "attribute 'start' of <Float64> (got '1 1 1"),
+        (THREE.replace("<Float64", '<Float64 derivative="99999999999999999999"', 1), "variable that does not exist"),
+    ],
+)
+def test_what_a_hostile_description_is_full_of_is_refused_in_few_words(
+    tmp_path: Path, scratch: Path, text: str, message: str
+) -> None:
+    said = refused(packed(tmp_path / "a.fmu", {"modelDescription.xml": text}, zipfile.ZIP_STORED), scratch)
+    assert message in said
+    assert len(said) < 1000
+
+
+def test_a_description_of_too_many_parts_is_refused_before_it_fills_the_memory(
+    tmp_path: Path, scratch: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(xml_room, "MOST_PARTS", 1000)
+    path = packed(tmp_path / "a.fmu", {"modelDescription.xml": TWO.replace("<Real/>", "<Real/>" * 1001)})
+    assert refused(path, scratch) == "modelDescription.xml:4: has more than 1000 elements and attributes"
+
+
+def test_an_array_that_is_too_large_is_refused_and_a_large_one_is_no_signal(tmp_path: Path, scratch: Path) -> None:
+    huge = THREE.replace('start="1"/>', '><Dimension start="99999999999"/></Float64>')
+    assert "x: the array has 99999999999 elements; allowed: at most 10000000" in refused(
+        packed(tmp_path / "a.fmu", {"modelDescription.xml": huge}), scratch
+    )
+    many = "".join(
+        f'<Float64 name="a{i}" valueReference="{i + 9}"><Dimension start="4000"/></Float64>' for i in range(51)
+    )
+    slave = FmuSlave(
+        packed(tmp_path / "b.fmu", {"modelDescription.xml": THREE.replace("<Float64", f"{many}<Float64", 1)})
+    )
+    assert len(slave.interface.watchable) == 200_000
+    assert slave.interface.left_out["a50"] == "the FMU has more than 200000 signals before it"

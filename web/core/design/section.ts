@@ -1,0 +1,196 @@
+// The load over the crane's plane as a raster: every posture of a grid, fine enough that none of the reachable cells is
+// missed, brings its load to the cell where its tip is; the best posture of a cell counts.
+import { type Capacity, capacity } from "./loadChart";
+import { type Crane, type Joint, type Mode, planeJoints } from "./types";
+
+export interface View {
+  readonly width: number;
+  readonly height: number;
+  /** Of the middle of the lower left cell [m]. */
+  readonly x: number;
+  readonly z: number;
+  /** Width and height of a cell [m]. */
+  readonly cell: number;
+}
+
+export interface Section {
+  readonly view: View;
+  /** By cell, rows from below [kg]; NaN out of reach. */
+  readonly load: Float32Array;
+  /** By cell: index of the limit that governs. */
+  readonly governs: Uint8Array;
+  /** By cell: index of the best posture, for `posture`. */
+  readonly best: Int32Array;
+  readonly coordinates: readonly Float64Array[];
+  readonly joints: readonly string[];
+}
+
+const MOST_POSTURES = 1_000_000;
+
+/** Coordinates of a joint, so close that the tip, `arm` metres away, moves by less than a cell. */
+function spread(joint: Joint, arm: number, cell: number, least: number, most: number): Float64Array {
+  const [low, high] = joint.limits ?? [0, 0];
+  const travel = (high - low) * (joint.kind === "revolute" ? arm : 1);
+  const count = Math.min(Math.max(Math.ceil(travel / (0.8 * cell)) + 1, least), most);
+  return Float64Array.from({ length: count }, (_, i) => low + ((high - low) * i) / Math.max(count - 1, 1));
+}
+
+/** How far the tip can be from each joint of the plane [m]. */
+export function arms(crane: Crane): number[] {
+  const joints = planeJoints(crane);
+  const ends = crane.links.map((link, i) => {
+    const next = crane.links[i + 1];
+    const end = crane.hoist.sheaves[crane.hoist.sheaves.length - 1];
+    const travel =
+      link.joint.kind === "prismatic" && link.joint.limits ? Math.max(...link.joint.limits.map(Math.abs)) : 0;
+    return (next ? Math.hypot(next.joint.origin[0], next.joint.origin[2]) : Math.hypot(end.x, end.z)) + travel;
+  });
+  return joints.map((joint) => {
+    const from = crane.links.findIndex((link) => link.joint.name === joint.name);
+    return ends.slice(from).reduce((sum, length) => sum + length, 0);
+  });
+}
+
+/** The grid of postures for a raster: fine in the last two joints, coarser in those before. */
+export function postures(crane: Crane, cell: number): Float64Array[] {
+  const joints = planeJoints(crane);
+  const reach = arms(crane);
+  const fine = joints.map((joint, k) => spread(joint, reach[k], cell, 2, 1200));
+  const product = () => fine.reduce((count, values) => count * values.length, 1);
+  for (let k = 0; k < joints.length && product() > MOST_POSTURES; k += 1) {
+    const others = product() / fine[k].length;
+    const least = k < joints.length - 2 ? 9 : 64;
+    const most = Math.max(least, Math.floor(MOST_POSTURES / others));
+    if (fine[k].length > most) fine[k] = spread(joints[k], Number.POSITIVE_INFINITY, cell, most, most);
+  }
+  return fine;
+}
+
+/** Buffers that a raster uses again from one drag event to the next. */
+export class Rasteriser {
+  private found: Capacity | undefined;
+  private load = new Float32Array(0);
+  private governs = new Uint8Array(0);
+  private best = new Int32Array(0);
+
+  section(crane: Crane, mode: Mode, view: View): Section {
+    const coordinates = postures(crane, view.cell);
+    const found = capacity(crane, coordinates, mode, this.found);
+    this.found = found;
+    const cells = view.width * view.height;
+    if (this.load.length !== cells) {
+      this.load = new Float32Array(cells);
+      this.governs = new Uint8Array(cells);
+      this.best = new Int32Array(cells);
+    }
+    const { load, governs, best } = this;
+    load.fill(Number.NaN);
+    best.fill(-1);
+    const { width, height } = view;
+    const scale = 1 / view.cell;
+    const [left, low] = [view.x - 0.5 * view.cell, view.z - 0.5 * view.cell];
+    for (let i = 0; i < found.count; i += 1) {
+      const column = Math.floor((found.radius[i] - left) * scale);
+      const row = Math.floor((found.height[i] - low) * scale);
+      if (column < 0 || column >= width || row < 0 || row >= height) continue;
+      const cell = row * width + column;
+      if (best[cell] < 0 || found.load[i] > load[cell]) {
+        load[cell] = found.load[i];
+        governs[cell] = found.governs[i];
+        best[cell] = i;
+      }
+    }
+    fillHoles(load, governs, best, width, height);
+    return { view, load, governs, best, coordinates, joints: planeJoints(crane).map((joint) => joint.name) };
+  }
+}
+
+/** A cell that no posture met, with neighbours left and right, or above and below, is like its better neighbour. */
+function fillHoles(load: Float32Array, governs: Uint8Array, best: Int32Array, width: number, height: number): void {
+  for (let row = 1; row + 1 < height; row += 1)
+    for (let cell = row * width + 1; cell + 1 < (row + 1) * width; cell += 1) {
+      if (best[cell] >= 0) continue;
+      let from = -1;
+      if (best[cell - 1] >= 0 && best[cell + 1] >= 0) from = load[cell - 1] > load[cell + 1] ? cell - 1 : cell + 1;
+      else if (best[cell - width] >= 0 && best[cell + width] >= 0)
+        from = load[cell - width] > load[cell + width] ? cell - width : cell + width;
+      if (from < 0) continue;
+      load[cell] = load[from];
+      governs[cell] = governs[from];
+      best[cell] = best[from];
+    }
+}
+
+/** The posture of a cell by joint [rad, m]; null out of reach. */
+export function postureAt(section: Section, x: number, z: number): Record<string, number> | null {
+  const { view, best, coordinates, joints } = section;
+  const column = Math.round((x - view.x) / view.cell);
+  const row = Math.round((z - view.z) / view.cell);
+  if (column < 0 || column >= view.width || row < 0 || row >= view.height) return null;
+  let index = best[row * view.width + column];
+  if (index < 0) return null;
+  const posture: Record<string, number> = {};
+  for (let k = joints.length - 1; k >= 0; k -= 1) {
+    const count = coordinates[k].length;
+    posture[joints[k]] = coordinates[k][index % count];
+    index = Math.floor(index / count);
+  }
+  return posture;
+}
+
+// ---------------------------------------------------------------- colours
+/** Cividis, by nine of its colours: readable in all kinds of colour vision and in grey. */
+const COLOURS: readonly (readonly [number, number, number])[] = [
+  [0, 32, 77],
+  [0, 52, 110],
+  [57, 72, 107],
+  [87, 93, 109],
+  [112, 113, 115],
+  [138, 134, 120],
+  [166, 157, 117],
+  [196, 182, 107],
+  [255, 234, 70],
+];
+
+export function colour(share: number): [number, number, number] {
+  const at = Math.min(Math.max(share, 0), 1) * (COLOURS.length - 1);
+  const i = Math.min(Math.floor(at), COLOURS.length - 2);
+  const [a, b] = [COLOURS[i], COLOURS[i + 1]];
+  return [0, 1, 2].map((k) => Math.round(a[k] + (b[k] - a[k]) * (at - i))) as [number, number, number];
+}
+
+/** A round step that divides `most` into five to ten. */
+export function contourStep(most: number): number {
+  if (!(most > 0)) return 1;
+  const power = 10 ** Math.floor(Math.log10(most / 5));
+  return [1, 2, 5, 10].map((m) => m * power).find((step) => most / step <= 10) ?? 10 * power;
+}
+
+/** RGBA of a section, top row first, with contours each `step` [kg]; `most` [kg] has the brightest colour. */
+export function paint(section: Section, most: number, step: number, pixels: Uint8ClampedArray): void {
+  const { width, height } = section.view;
+  const { load } = section;
+  const palette = Array.from({ length: 256 }, (_, i) => {
+    const [r, g, b] = colour(i / 255);
+    return (255 << 24) | (b << 16) | (g << 8) | r;
+  });
+  const out = new Uint32Array(pixels.buffer, pixels.byteOffset, width * height);
+  const line = (255 << 24) | 0xffffff;
+  const [scale, bands] = [255 / Math.max(most, 1e-9), 1 / step];
+  for (let row = 0; row < height; row += 1)
+    for (let column = 0; column < width; column += 1) {
+      const cell = row * width + column;
+      const to = (height - 1 - row) * width + column;
+      const value = load[cell];
+      if (!(value >= 0)) {
+        out[to] = 0;
+        continue;
+      }
+      const band = Math.floor(value * bands);
+      const right = column + 1 < width ? load[cell + 1] : value;
+      const above = row + 1 < height ? load[cell + width] : value;
+      const crosses =
+        (right >= 0 && Math.floor(right * bands) !== band) || (above >= 0 && Math.floor(above * bands) !== band);
+      out[to] = crosses ? line : palette[Math.min(255, Math.floor(value * scale))];
+    }
+}

@@ -18,6 +18,7 @@ from seacrane.cosim import saved
 from seacrane.cosim.actions import Action, Manipulator, Names, Set, check_action
 from seacrane.cosim.algorithms import NANOSECONDS, Algorithm, nanoseconds
 from seacrane.cosim.bonds import ACCOUNT, SIGNALS, BondReport
+from seacrane.cosim.faults import explained, too_late
 from seacrane.cosim.loops import DONE, FAULT, Fault, Loop, append
 from seacrane.cosim.native_loop import NativeLoop
 from seacrane.cosim.observers import ArrowRecorder, CsvRecorder, MemoryRecorder, Observer
@@ -34,9 +35,6 @@ from seacrane.cosim.watchdog import Late, Watchdog
 from seacrane.errors import CompileError, CosimError, ParameterError, Problem, SeacraneError, nearest
 from seacrane.model.dae import Variable
 from seacrane.results import Recording
-
-STATUS = {0: "OK", 1: "warning", 2: "discard", 3: "error", 4: "fatal", 5: "pending"}
-"""FMI 2 status codes (FMI 2.0.4, section 2.1.3)."""
 
 _RECORDERS: Mapping[str, type[CsvRecorder | ArrowRecorder]] = {
     ".csv": CsvRecorder,
@@ -394,9 +392,8 @@ class Execution:
 
     def flush(self) -> None:
         """Hand all rows recorded so far to their observers, and let these bring them to where others can read them."""
-        self._hand_over()
-        for recorder in self._recorders:
-            recorder.observer.flush()
+        self._flushed = wall.monotonic()
+        self._each_recorder(_Recorder.flush)
 
     # ------------------------------------------------------------ running
     def start(self) -> Self:
@@ -463,6 +460,7 @@ class Execution:
             if progress is not None and (wall.monotonic() - told >= 0.1 or remaining <= self._batch):
                 told = wall.monotonic()
                 progress(self.time, until)
+        self._pausing()
         self.flush()
         return recorder.recording()
 
@@ -562,12 +560,13 @@ class Execution:
             self._batch = max(1, self._batch // 2)
         elif elapsed < BATCH_S / 4 and steps == self._batch:
             self._batch *= 2
-        if result != DONE or wall.monotonic() - self._flushed > FLUSH_S:
-            self._hand_over()
         if result == FAULT and self._loop.fault is not None:
             self._fail(self._loop.fault)
         if self._watchdog is not None and self._watchdog.end and self.late:
-            self._fail_late()
+            late, self._watchdog.late = self.late, []
+            self._end(too_late(late, self._watchdog.limit, plan))
+        if result != DONE or wall.monotonic() - self._flushed > FLUSH_S:
+            self._hand_over()
         self._triggers.fire()
 
     def _guarded(self, limit: float | None, when_late: str) -> Watchdog | None:
@@ -579,21 +578,6 @@ class Execution:
         watchdog = Watchdog(names, self._plan.calls, self._plan.stop, limit, when_late == "stop")
         self._resources.callback(watchdog.close)
         return watchdog
-
-    def _fail_late(self) -> None:
-        self.flush()
-        assert self._watchdog is not None
-        begin = self.time - self.macro_step
-        limit = f"at most {self._watchdog.limit:g} s of wall time"
-        self._error = CosimError(
-            Problem(
-                call.slave, f"took too long in the step from t = {begin:.9g} to {self.time:.9g} s", call.seconds, limit
-            )
-            for call in self.late
-        )
-        self._watchdog.late = []
-        self._plan.stop[0] = 0
-        raise self._error
 
     def _due(self) -> int | None:
         """Carry out the events that are due; when the next one is [ns]."""
@@ -607,8 +591,18 @@ class Execution:
 
     def _hand_over(self) -> None:
         self._flushed = wall.monotonic()
+        self._each_recorder(_Recorder.drain)
+
+    def _each_recorder(self, do: Callable[[_Recorder], None]) -> None:
+        """Do something with all recorders, also when one of them cannot."""
+        problems: list[Problem] = []
         for recorder in self._recorders:
-            recorder.drain()
+            try:
+                do(recorder)
+            except SeacraneError as error:
+                problems += error.problems
+        if problems:
+            raise CosimError(problems)
 
     def _begin_recording(self, recorder: _Recorder) -> None:
         if all(rows is not recorder.rows for rows in self._plan.rows):
@@ -665,53 +659,20 @@ class Execution:
         if problems:
             raise CosimError(problems)
 
-    def _not_converged(self, fault: Fault, when: str) -> CosimError:
-        names = {k: name for name, k in self._plan.index.items() if k in fault.variables}
-        iteration = self._plan.schedule.iteration
-        assert iteration is not None
-        count = "its equations are singular" if fault.status else f"after {iteration.most} iterations"
-        hint = "Take a shorter step, Newton(), an under-relaxed FixedPoint, or a wider tolerance."
-        values = self._plan.values
-        return CosimError(
-            Problem(
-                name, f"does not converge {when} ({count}, tolerance {iteration.tolerance:g})", values[k], hint=hint
-            )
-            for k, name in names.items()
-        )
-
     def _fail(self, fault: Fault) -> None:
-        self.flush()
-        begin, end = self.time, (self._plan.time_ns + self._plan.schedule.step_ns) / 1e9
-        when = f"in the step from t = {begin:.9g} to {end:.9g} s"
-        if fault.stage == "converge":
-            self._error = self._not_converged(fault, when)
-            raise self._error
-        part = self._plan.parts[fault.slave]
-        part.instance.failed(fault.status)
-        cause = part.instance.failure
-        if fault.stage == "finite":
-            variable = part.interface.outputs[fault.variable]
-            value = float(self._plan.values[part.outputs][fault.variable])
-            self._error = CosimError.at(f"{part.name}.{variable.name}", f"is not finite {when}", value=value)
-        elif cause is not None:
-            part.instance.failure = None
-            if not isinstance(cause, Exception):
-                self._error = CosimError.at(part.name, f"was interrupted {when}")
-                raise cause
-            self._error = CosimError.at(part.name, f"failed {when}: {type(cause).__name__}: {cause}")
-        else:
-            doing = {
-                "set": "taking its inputs",
-                "step": "stepping",
-                "get": "giving its outputs",
-                "watch": "giving its internal variables",
-                "save": "saving its state",
-                "restore": "going back to a saved state",
-            }
-            what = doing[fault.stage]
-            status = STATUS.get(fault.status, str(fault.status))
-            reason = f": {part.instance.message}" if part.instance.message else ""
-            self._error = CosimError.at(part.name, f"failed with status {status!r} when {what} {when}{reason}")
+        error, cause = explained(fault, self._plan)
+        if cause is not None and not isinstance(cause, Exception):
+            self._error = error
+            raise cause
+        self._end(error, cause)
+
+    def _end(self, error: CosimError, cause: BaseException | None = None) -> None:
+        """End the run with all rows where they can be read; what cannot be kept is told with the error."""
+        self._error = error
+        try:
+            self.flush()
+        except SeacraneError as lost:
+            self._error = CosimError([*error.problems, *lost.problems])
         raise self._error from cause
 
     def _watch(self) -> None:
@@ -768,6 +729,10 @@ class _Recorder:
         count, self.rows.count = self.rows.count, 0
         if count:
             self.observer.write(self.rows.table[:count])
+
+    def flush(self) -> None:
+        self.drain()
+        self.observer.flush()
 
     def close(self) -> None:
         try:

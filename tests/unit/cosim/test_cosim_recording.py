@@ -173,3 +173,34 @@ def test_a_recording_that_holds_to_its_end_lasts_from_the_start():
         recorder = run.record(end=Above("clock.t", 0.6))
         run.advance(2.0)
     assert recorder.recording().time.tolist() == [0.0, 0.25, 0.5, 0.75]
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is always full")
+def test_a_recorder_that_fails_keeps_nothing_from_the_others_and_hides_no_fault(tmp_path):
+    """The file is opened, and a full device put in its place afterwards."""
+
+    def fails(t, h, u):
+        return [0.0 if t < 0.5 else float("nan")]
+
+    run = Execution(System("s", {"f": FunctionSlave(fails, outputs=[Variable("y")])}), GaussSeidel(0.125))
+    broken = run.record_file(tmp_path / "run.csv")
+    memory = run.record()
+    full = os.open("/dev/full", os.O_WRONLY)
+    os.dup2(full, broken._descriptor)
+    os.close(full)
+    with pytest.raises(CosimError) as caught:
+        run.advance(2.0)
+    assert [str(p) for p in caught.value.problems] == [
+        "f.y: is not finite in the step from t = 0.5 to 0.625 s (got nan)",
+        f"{tmp_path / 'run.csv'}: cannot be written: No space left on device",
+    ]
+    assert run.error is caught.value
+    assert memory.recording().time.tolist() == [0.0, 0.125, 0.25, 0.375, 0.5]
+
+
+def test_a_pause_in_the_last_step_does_not_hold_up_the_next_call():
+    with Execution(clock(), GaussSeidel(0.25)) as run:
+        run.when(Above("clock.t", 0.9), call=lambda r: r.pause())
+        run.run(1.0)
+        run.run(2.0)
+        assert run.time == 2.0

@@ -150,23 +150,18 @@ def _needed(given: float | None, of_file: float | None, option: str) -> float:
 
 
 def _settings(system: System, texts: list[str]) -> dict[str, float]:
-    """Values by variable, each in the unit of its variable."""
+    """Values by variable or connector, each in its unit."""
     values: dict[str, float] = {}
     problems: list[Problem] = []
-    variables, connectors = system.variables, system.level.connectors
+    known = (*system.variables, *system.level.connectors)
     for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))
         if not equals:
             problems.append(Problem("--set", "is not NAME=VALUE", text))
-        elif name in connectors:
-            unit = system.unit_of(name) or "1"
-            for link in system.behind(name):
-                number = _number(value, unit, name, problems)
-                values[link.target] = system.through(link, number)
-        elif name in variables:
-            values[name] = _number(value, variables[name].unit, name, problems)
+        elif name in known:
+            values[name] = _number(value, system.unit_of(name) or "1", name, problems)
         else:
-            problems.append(Problem(name, "no such variable", hint=nearest(name, (*variables, *connectors))))
+            problems.append(Problem(name, "no such variable", hint=nearest(name, known)))
     if problems:
         raise ParameterError(problems)
     return values
@@ -212,7 +207,8 @@ def _tell(system: System, settings: Mapping[str, float]) -> None:
     """What may surprise: notes of the reader, and inputs that nothing drives."""
     for note in system.notes:
         print(f"seacrane: {note}", file=sys.stderr)
-    open_inputs = [name for name in system.open_inputs if name not in settings]
+    given = {target for name in settings for target, _, _ in system.settable_connectors.get(name, ((name, 1.0, 0.0),))}
+    open_inputs = [name for name in system.open_inputs if name not in given]
     if open_inputs:
         named = ", ".join(open_inputs[:_MOST_NAMED]) + (", ..." if len(open_inputs) > _MOST_NAMED else "")
         are = "input is" if len(open_inputs) == 1 else "inputs are"

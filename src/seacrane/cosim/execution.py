@@ -101,6 +101,7 @@ class Execution:
             raise CosimError.at(system.name, "has no slaves", hint="Add one with system.add(name, slave).")
         self._variables = system.variables
         self._causality = system.causalities
+        self._connectors = system.settable_connectors
         self._places = {name: system.split(name) for name, c in self._causality.items() if c != "bond"}
         self._sources = {c.target: c.source for c in system.connections}
         self._free = {n for n, c in self._causality.items() if c == "input" and n not in self._sources}
@@ -216,7 +217,14 @@ class Execution:
 
     # ------------------------------------------------------------ setting
     def set(self, name: str, value: float) -> None:
-        """Set an input that nothing drives, or a parameter, in its unit, from the next macro step on."""
+        """Set an input that nothing drives, or a parameter, in its unit, from the next macro step on.
+
+        A connector of the system itself sets all inputs that it leads to.
+        """
+        for target, gain, bias in self._connectors.get(name, ()):
+            self.set(target, gain * value + bias)
+        if name in self._connectors:
+            return
         problems = check_action(Set(name, value), self._names)
         if problems:
             settable = name in self._free or self._causality.get(name) == "parameter"

@@ -150,14 +150,23 @@ class System:
             return tuple(self._trace(connector))
         return tuple(c for target in self._ends(connector) for c in self._trace(target, connector))
 
+    @property
+    def settable_connectors(self) -> dict[str, tuple[tuple[str, float, float], ...]]:
+        """For each input connector of this system, what it drives: (input, factor, bias), from unit to unit."""
+        found = {}
+        for name, connector in self._level.connectors.items():
+            if connector.kind == "input":
+                found[name] = tuple((c.target, self._scale(c), c.bias) for c in self.behind(name))
+        return found
+
+    def _scale(self, connection: Connection) -> float:
+        """What a number in the unit of the source is multiplied by."""
+        units = self._unit(connection.source), self._unit(connection.target)
+        return connection.gain * (factor(*units) if connection.convert else 1.0)
+
     def unit_of(self, name: str) -> str:
         """The unit of a variable or connector; empty if there is none, or if it is not known yet."""
         return self._unit(name) if name in self._variables or name in self._points else ""
-
-    def through(self, link: Connection, value: float) -> float:
-        """What a connection makes of a value in the unit of its source."""
-        scale = factor(self._unit(link.source), self._unit(link.target)) if link.convert else 1.0
-        return link.gain * scale * value + link.bias
 
     # ------------------------------------------------------------ as it was put together
     @property

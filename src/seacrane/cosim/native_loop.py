@@ -55,9 +55,8 @@ class _Recorder(ctypes.Structure):
 
 class _Group(ctypes.Structure):
     _fields_ = [
-        *_fields((_Address, "members"), (_Int, "count natives turn parallel")),
-        ("serial_ns", _Int * _TRIALS),
-        ("parallel_ns", _Int * _TRIALS),
+        *_fields((_Address, "members"), (_Int, "count natives phase parallel left taken spent_ns serial_ns")),
+        ("trial_ns", _Int * _TRIALS),
     ]
 
 

@@ -102,8 +102,9 @@ typedef struct {
 typedef struct { /* slaves that may step side by side, in the order in which their faults count */
     const int64_t *members;
     int64_t count, natives;
-    int64_t turn, parallel; /* how threads have proved here; no part of the state, since it changes no result */
-    int64_t serial_ns[TRIALS], parallel_ns[TRIALS];
+    /* how threads have proved here; no part of the state, since it changes no result */
+    int64_t phase, parallel, left, taken, spent_ns, serial_ns;
+    int64_t trial_ns[TRIALS];
 } group_t;
 
 typedef struct pool pool_t;

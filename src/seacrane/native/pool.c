@@ -31,6 +31,11 @@ void pool_end(plan_t *p) { (void)p; }
 #define PERIOD 4096         /* sweeps after which threads are measured anew */
 #define WORTH_TRYING 10000  /* [ns] of a sweep, below which waking another thread cannot pay */
 #define GAIN 0.9            /* threads must take less than this share of the time */
+#define PATIENCE 10         /* sweeps that a trial of threads may cost */
+#define RARITY 50           /* how much longer than a trial that has failed it takes until the next */
+#define WINDOW 16           /* sweeps after which threads must still have paid */
+
+enum { TRY_SERIAL, TRY_PARALLEL, SETTLED };
 
 struct pool {
     pthread_t *threads;
@@ -145,31 +150,52 @@ static int64_t median(int64_t *v) {
     return v[TRIALS / 2];
 }
 
+static void settle(group_t *g, int parallel) {
+    const int64_t rest = g->serial_ns > 0 ? RARITY * g->spent_ns / g->serial_ns : 0;
+    g->phase = SETTLED;
+    g->parallel = parallel;
+    g->left = !parallel && rest > PERIOD ? rest : PERIOD;
+    g->taken = g->spent_ns = 0;
+}
+
+/* The time of a sweep, serial or parallel, and what follows from it. */
+static void judge(plan_t *p, group_t *g, int64_t time) {
+    g->spent_ns += time;
+    if (g->phase == SETTLED) { /* in parallel */
+        if (++g->taken < WINDOW) return;
+        if (g->spent_ns > WINDOW * g->serial_ns) settle(g, 0);
+        g->taken = g->spent_ns = 0;
+        return;
+    }
+    g->trial_ns[g->taken++] = time;
+    if (g->phase == TRY_SERIAL) {
+        if (g->taken < TRIALS) return;
+        g->serial_ns = median(g->trial_ns);
+        g->taken = g->spent_ns = 0;
+        if (g->serial_ns > WORTH_TRYING && !p->pool)
+            p->pool = pool_begin((p->threads < g->natives ? p->threads : g->natives) - 1);
+        if (g->serial_ns > WORTH_TRYING && p->pool && p->pool->count > 0) g->phase = TRY_PARALLEL;
+        else settle(g, 0);
+    } else if (g->spent_ns > PATIENCE * g->serial_ns) {
+        settle(g, 0);
+    } else if (g->taken == TRIALS) {
+        settle(g, (double)median(g->trial_ns) < GAIN * (double)g->serial_ns);
+    }
+}
+
 /* Step the members of a group; faults are left in the slaves. */
 void step_group(plan_t *p, group_t *g, int64_t from, int64_t size) {
     if (p->threads < 2 || g->natives < 2) {
         step_serially(p, g, from, size);
         return;
     }
-    const int64_t turn = g->turn;
-    g->turn = (turn + 1) % PERIOD;
-    if (turn >= 2 * TRIALS) {
-        (g->parallel ? step_in_parallel : step_serially)(p, g, from, size);
+    if (g->phase == SETTLED && --g->left <= 0) g->phase = TRY_SERIAL, g->taken = g->spent_ns = 0;
+    if (g->phase == SETTLED && !g->parallel) {
+        step_serially(p, g, from, size);
         return;
     }
-    if (turn == TRIALS) {
-        const int64_t usual = median(g->serial_ns);
-        if (usual > WORTH_TRYING && !p->pool) p->pool = pool_begin((p->threads < g->natives ? p->threads : g->natives) - 1);
-        g->parallel = usual > WORTH_TRYING && p->pool && p->pool->count > 0;
-        if (!g->parallel) {
-            g->turn = 2 * TRIALS;
-            step_serially(p, g, from, size);
-            return;
-        }
-    }
     const int64_t begin = now();
-    (turn < TRIALS ? step_serially : step_in_parallel)(p, g, from, size);
-    (turn < TRIALS ? g->serial_ns : g->parallel_ns)[turn % TRIALS] = now() - begin;
-    if (turn == 2 * TRIALS - 1) g->parallel = (double)median(g->parallel_ns) < GAIN * (double)median(g->serial_ns);
+    (g->phase == TRY_SERIAL ? step_serially : step_in_parallel)(p, g, from, size);
+    judge(p, g, now() - begin);
 }
 #endif

@@ -4,7 +4,19 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from seacrane.cosim import Execution, FunctionSlave, GaussSeidel, Jacobi, System
+from seacrane.cosim import (
+    Adaptive,
+    Execution,
+    FixedPoint,
+    FunctionSlave,
+    GaussSeidel,
+    Iterative,
+    Jacobi,
+    Newton,
+    StepDoubling,
+    System,
+)
+from seacrane.errors import CosimError
 from seacrane.model.dae import Variable
 
 
@@ -44,6 +56,61 @@ def systems(draw):
 def table(run, until):
     recording = run.run(until)
     return np.column_stack([recording.time, *(recording[name] for name in recording)])
+
+
+@st.composite
+def algorithms(draw, order, step):
+    """Anything that composes, but for what needs a bond."""
+    names = list(order)
+    rates = draw(st.dictionaries(st.sampled_from(names), st.sampled_from([2, 3, 1 / 2, 1 / 3]), max_size=2))
+    extrapolation = draw(st.sampled_from(["hold", "linear", "quadratic"]))
+    common = {"rates": rates, "extrapolation": extrapolation}
+    base = Jacobi(step, **common) if draw(st.booleans()) else GaussSeidel(step, order=order, **common)
+    solver = draw(st.sampled_from([None, None, FixedPoint(), FixedPoint(0.5, aitken=False), Newton()]))
+    algorithm = base if solver is None else Iterative(base, solver, tolerance=1e-3, most=200)
+    if draw(st.booleans()) and min(rates.values(), default=1) >= 1:
+        return Adaptive(algorithm, StepDoubling(1e-2), smallest=step / 20)
+    return algorithm
+
+
+def run_of(system, algorithm, loop):
+    """The table, or what was said when an iteration did not converge, up to there."""
+    with Execution(system, algorithm, loop=loop) as run:
+        recorder = run.record()
+        try:
+            run.run(12 * algorithm.step)
+            said = ""
+        except CosimError as error:
+            said = str(error)
+            run.flush()
+        recording = recorder.recording()
+        return np.column_stack([recording.time, *(recording[name] for name in recording)]), said, run.usage.sweeps
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.data(), systems(), st.floats(1e-3, 0.1))
+def test_both_loops_agree_bit_by_bit_whatever_the_algorithm(data, given_system, step):
+    system, order = given_system
+    algorithm = data.draw(algorithms(order, step))
+    (c, c_said, c_sweeps), (python, python_said, python_sweeps) = (
+        run_of(system, algorithm, loop) for loop in ("c", "python")
+    )
+    assert np.array_equal(c, python)
+    assert (c_said, c_sweeps) == (python_said, python_sweeps)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.data(), systems(), st.integers(1, 10), st.sampled_from(["c", "python"]))
+def test_a_restored_run_repeats_itself_whatever_the_algorithm(data, given_system, steps, loop):
+    """Histories, step sizes and Jacobians are part of the state: going back and going on is as if never interrupted."""
+    system, order = given_system
+    algorithm = data.draw(algorithms(order, 0.01))
+    with Execution(system, algorithm, loop=loop) as run:
+        run.step(steps)
+        state = run.save()
+        whole = table(run, 0.25)
+        run.restore(state)
+        assert np.array_equal(table(run, 0.25), whole)
 
 
 @settings(max_examples=40, deadline=None)

@@ -218,7 +218,7 @@ class PowerResidual:
     known after the step only: an error is answered by a shorter next step.
     """
 
-    tolerance: float = 1e-2
+    tolerance: float = 1e-3
     power: float | None = None
 
     def __post_init__(self) -> None:

@@ -164,7 +164,7 @@ class Plan:
             f"{name}.{v.name}": (name, v.name) for name, interface in interfaces.items() for v in interface.watchable
         }
         self._connect(system)
-        self.nominal = np.array([abs(v.nominal) for name in schedule.order for v in interfaces[name].outputs])
+        self.nominal = np.array([abs(v.nominal) or 1.0 for name in schedule.order for v in interfaces[name].outputs])
         layout = self._layout(size, len(system.bonds))
         self.values: Vector = np.zeros(max(place.stop for place in layout.values()))
         self.samples = self.values[layout["samples"]].reshape(self.depth, self.nominal.size)

@@ -60,8 +60,26 @@ def test_a_contracting_loop_of_feedthrough_settles_at_its_solution():
         assert run.values(["a.y", "b.y"]) == pytest.approx([4 / 3, 2 / 3], rel=1e-8)
 
 
+@pytest.mark.parametrize("gain", [2.0, -3.0, 1e4])
+def test_a_loop_that_amplifies_is_solved_at_the_start_too(gain):
+    with Execution(feedthrough(gain), GaussSeidel(0.1)) as run:
+        run.start()
+        assert run.values(["a.y", "b.y"]) == pytest.approx([1 / (1 - gain**2), gain / (1 - gain**2)], rel=1e-8)
+
+
+def test_a_nonlinear_loop_is_solved_from_its_start_values():
+    system = System("loop")  # y = u^2 - 2 and u = y: 2 and -1, both of them repelling
+    system.add("a", FunctionSlave(lambda t, h, u: u * u - 2, [Variable("u")], [Variable("y", start=3.0)]))
+    system.add("b", FunctionSlave(lambda t, h, u: u, [Variable("u")], [Variable("y", start=3.0)]))
+    system.connect("a.y", "b.u")
+    system.connect("b.y", "a.u")
+    with Execution(system, GaussSeidel(0.1)) as run:
+        run.start()
+        assert run.values(["a.y", "b.y"]) == pytest.approx([2.0, 2.0], rel=1e-8)
+
+
 def test_a_loop_that_does_not_settle_is_told_with_its_variables():
-    run = Execution(feedthrough(2.0), GaussSeidel(0.1))
+    run = Execution(feedthrough(1.0), GaussSeidel(0.1))
     with pytest.raises(CosimError) as caught:
         run.start()
     assert [problem.path for problem in caught.value.problems] == ["a.y", "b.y"]

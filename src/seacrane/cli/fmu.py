@@ -100,7 +100,7 @@ def _info(options: argparse.Namespace) -> int:
         "binaries": ", ".join(d.platforms) or "none",
         "sources": "C" if d.has_sources else "none",
         "states": str(len(d.derivatives)),
-        "terminals": ", ".join(t.name for t in d.terminals),
+        "icons": ", ".join(f"{name} ({len(icon) / 1024:.1f} KiB)" for name, icon in fmi.icons(options.file).items()),
     }
     for key, value in facts.items():
         if value:
@@ -121,6 +121,15 @@ def _info(options: argparse.Namespace) -> int:
             for v in d.variables
         ],
     )
+    if d.terminals:
+        print()
+        _print_table(
+            ("terminal", "kind", "matching", "members", "description"),
+            [
+                (t.name, t.kind, t.matching, ", ".join(f"{m} = {v}" for m, v in t.members.items()), t.description)
+                for t in d.terminals
+            ],
+        )
     return 0
 
 

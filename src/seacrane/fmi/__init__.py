@@ -14,7 +14,7 @@ from seacrane.fmi.description import (
     Variable,
 )
 from seacrane.fmi.export import cached, export
-from seacrane.fmi.fmu import Fmu, Kind, read
+from seacrane.fmi.fmu import Fmu, Kind, icons, read
 from seacrane.fmi.instance import FmuInstance
 from seacrane.fmi.simulate import Deviation, compare, parse, run
 from seacrane.fmi.typed import Exchange, bounds, exchanges_all_types
@@ -43,6 +43,7 @@ __all__ = [
     "exchanges_all_types",
     "export",
     "export_wasm",
+    "icons",
     "parse",
     "read",
     "run",

@@ -9,13 +9,14 @@ with Fmu("pump.fmu") as pump, pump.instantiate("pump1") as run:
 
 from __future__ import annotations
 
+import re
 import shutil
 import tempfile
 import weakref
 from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import Literal, Self
+from typing import Final, Literal, Self
 
 from seacrane.errors import FmuError
 from seacrane.fmi.api import BY_VERSION, load
@@ -24,6 +25,9 @@ from seacrane.fmi.description import Capabilities, ModelDescription
 from seacrane.fmi.instance import FmuInstance
 from seacrane.fmi.platforms import binary_path, host, platforms
 from seacrane.fmi.reading import read_archive
+from seacrane.fmi.xml import LARGEST
+
+_ICON: Final = re.compile(r"model\.png|terminalsAndIcons/[^/]+\.(png|svg)")
 
 Kind = Literal["co-simulation", "model-exchange"]
 
@@ -32,6 +36,16 @@ def read(path: str | Path) -> ModelDescription:
     """The model description of an FMU, without unpacking or loading it. Raises `FmuError` with all problems."""
     with opened(Path(path)) as archive:
         return read_archive(archive)
+
+
+def icons(path: str | Path) -> dict[str, bytes]:
+    """The pictures of an FMU by their names in it: of the FMU, and of its terminals in `terminalsAndIcons`."""
+    with opened(Path(path)) as archive:
+        return {
+            entry.filename: archive.read(entry)
+            for entry in archive.infolist()
+            if _ICON.fullmatch(entry.filename) and entry.file_size <= LARGEST
+        }
 
 
 class Fmu:
@@ -51,6 +65,7 @@ class Fmu:
         with opened(self.path) as archive:
             self.description = read_archive(archive)
             self.exchange, self.capabilities = self._choose(kind)
+            self._refuse_clocks()
             self.api = BY_VERSION[self.description.fmi_version]
             binary = self._binary(archive.namelist())
             self.folder = Path(tempfile.mkdtemp(prefix="seacrane-fmu-"))
@@ -93,6 +108,14 @@ class Fmu:
             return
         hint = "Ask for an export as FMI 2.0 or 3.0."
         raise FmuError.at(self.path.name, reason, allowed="CoSimulation_StandAlone in FMI 1.0", hint=hint)
+
+    def _refuse_clocks(self) -> None:
+        ticked = [v.name for v in self.description.inputs if v.type == "Clock"]
+        if ticked:
+            message = (
+                f"whoever runs it must tick its input clocks ({', '.join(ticked[:5])}), and clocks are not supported"
+            )
+            raise FmuError.at(self.path.name, message)
 
     def _binary(self, names: Sequence[str]) -> str:
         version = self.description.fmi_version

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import hashlib
 from collections.abc import Sequence
 from ctypes import byref, c_size_t, c_void_p
 from types import TracebackType
@@ -229,15 +230,15 @@ class FmuInstance(Sensitivities):
             self._c.call(serialize, state, block, size)
         finally:
             self._c.library.function(free)(self._c.live, byref(state))
-        return (self._foreign.save() if self._foreign is not None else b"") + block.raw
+        return self._signature + (self._foreign.save() if self._foreign is not None else b"") + block.raw
 
     def restore(self, saved: bytes) -> None:
-        """Returns to a saved state."""
+        """Returns to a saved state. Raises `FmuError` if it is not one of this FMU in this kind, or the FMU refuses."""
         _, set_, free, _, _, deserialize = self._state_functions()
-        own = self._foreign.saved_size if self._foreign is not None else 0
-        if len(saved) < own:
+        signature, size = self._signature, self._foreign.saved_size if self._foreign is not None else 0
+        own, block = saved[len(signature) : len(signature) + size], saved[len(signature) + size :]
+        if not saved.startswith(signature) or len(own) < size or not block:
             raise FmuError.at(self.name, "the saved state is not one of this FMU", value=f"{len(saved)} bytes")
-        block = saved[own:]
         state = c_void_p()
         self._c.call(deserialize, block, len(block), byref(state))
         try:
@@ -245,7 +246,7 @@ class FmuInstance(Sensitivities):
         finally:
             self._c.library.function(free)(self._c.live, byref(state))
         if self._foreign is not None:
-            self._foreign.restore(saved[:own])
+            self._foreign.restore(own)
 
     def reset(self) -> None:
         """Back to the start values, as just instantiated."""
@@ -279,12 +280,20 @@ class FmuInstance(Sensitivities):
     def _state_functions(self) -> list[str]:
         """Names of the functions that get, set, free, measure, serialise and deserialise a state."""
         can = self.fmu.capabilities
-        allowed = "canGetAndSetFMUstate and canSerializeFMUstate"
         if self._api is FMI1:
             raise FmuError.at(self.name, "the FMU cannot save its state: FMI 1.0 has no functions for it")
-        if not (can.saves_state and can.serializes_state):
-            raise FmuError.at(self.name, "the FMU cannot save its state", allowed=allowed)
+        if not can.saves_state:
+            raise FmuError.at(self.name, "the FMU cannot save its state", allowed="canGetAndSetFMUstate")
+        if not can.serializes_state:
+            message = "the FMU can keep its state, but not give it away as bytes"
+            raise FmuError.at(self.name, message, allowed="canSerializeFMUstate")
         return list(self._api.state)
+
+    @property
+    def _signature(self) -> bytes:
+        """What tells the states of this FMU from those of others."""
+        d = self.fmu.description
+        return hashlib.blake2b(f"{d.fmi_version} {d.guid} {self.fmu.exchange}".encode(), digest_size=8).digest()
 
     def _adapted(self, function: str, *arguments: Any) -> None:
         """Calls a function of the adapter, which calls several of the FMU."""

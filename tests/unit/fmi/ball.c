@@ -23,10 +23,10 @@ typedef bool flag_t;
 #define F(name) fmi3##name
 #endif
 
-enum { TIME, H, V, A, G, E, KICK_TIME, KICK, WIND, BOUNCES, CEILING, END, LAST, CAUGHT, VARIABLES };
+enum { TIME, H, V, A, G, E, KICK_TIME, KICK, WIND, BOUNCES, CEILING, END, LAST, CAUGHT, NAP, VARIABLES };
 typedef struct {
     double x[VARIABLES];
-    int bounces, kicked, events, slave, ended;
+    int bounces, kicked, events, slave, ended, steps;
 #if FMI == 3
     double grid[6];
     unsigned char blob[8];
@@ -72,7 +72,7 @@ static int bounce(Ball *b)
     b->events++;
     return changed;
 }
-static double value(const Ball *b, unsigned r) { return r == A ? acceleration(b) : r == BOUNCES ? b->bounces : b->x[r]; }
+static double value(const Ball *b, unsigned r) { return r == A ? acceleration(b) : r == BOUNCES ? b->bounces : r == VARIABLES ? b->steps : b->x[r]; }
 
 status_t F(SetTime)(void *c, double t) { ((Ball *)c)->x[TIME] = t; return OK; }
 status_t F(SetContinuousStates)(void *c, const double x[], size_t n)
@@ -195,8 +195,14 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 t, fmi3Float64 h, fmi3Boolean 
     }
     const double a = acceleration(b), to_ground = (b->x[V] + sqrt(b->x[V] * b->x[V] - 2 * a * b->x[H])) / -a;
     *event = *early = to_ground < h;
-    *end = false;
+    *end = t + h >= b->x[END];
     if (*early) h = to_ground;
+    if (b->x[NAP] > 0 && h > b->x[NAP]) { /* early, without an event */
+        h = b->x[NAP];
+        *early = true;
+        *event = false;
+    }
+    b->steps++;
     b->x[H] += h * b->x[V] + a * h * h / 2;
     b->x[V] += a * h;
     if (*event) b->x[H] = 0;

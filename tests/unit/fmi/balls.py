@@ -60,6 +60,8 @@ THREE = """<?xml version="1.0" encoding="UTF-8"?>
     <Float64 name="ceiling" valueReference="10" causality="parameter" start="1e9"/>
     <Float64 name="end" valueReference="11" causality="parameter" start="1e9"/>
     <Float64 name="last" valueReference="12" variability="discrete"/>
+    <Float64 name="nap" valueReference="14" causality="parameter" variability="tunable" start="0"/>
+    <Float64 name="steps" valueReference="15" variability="discrete"/>
     <Float64 name="caught" valueReference="13" variability="discrete"/>
     <Int32 name="bounces" valueReference="9" causality="output"/>
     <Float64 name="grid" valueReference="20" causality="parameter" start="0 1 2 3 4 5"><Dimension start="2"/><Dimension start="3"/></Float64>

@@ -167,3 +167,61 @@ def rewritten(path: Path, folder: Path, change: Callable[[str], str]) -> Path:
                 content = change(content.decode()).encode()
             new.writestr(info, content)
     return copy
+
+
+def test_a_step_that_returns_early_without_an_event_is_taken_up_again(balls: dict[str, Path]) -> None:
+    with fmi.Fmu(balls["3"], "co-simulation") as fmu, fmu.instantiate("ball") as ball:
+        ball.set("nap", 0.03)
+        ball.initialize()
+        ball.step(0.0, 0.1)
+        assert ball.get(["h", "steps"]) == pytest.approx([height(0.1), 4])
+        ball.set("nap", 0.0)  # tunable: set while it runs, in event mode
+        ball.step(0.1, 0.1)
+        assert ball.get(["h", "steps"]) == pytest.approx([height(0.2), 5])
+
+
+def test_a_slave_that_asks_to_end_the_simulation_ends_it(balls: dict[str, Path]) -> None:
+    with fmi.Fmu(balls["3"], "co-simulation") as fmu, fmu.instantiate("ball") as ball:
+        ball.set("end", 0.15)
+        ball.initialize()
+        ball.step(0.0, 0.1)
+        with pytest.raises(FmuError, match=r"ball: the step returned Discard: the FMU asked to end the simulation at"):
+            ball.step(0.1, 0.1)
+
+
+def test_input_clocks_are_refused_with_the_reason(balls: dict[str, Path], tmp_path: Path) -> None:
+    ticked = (
+        '<Clock name="tick" valueReference="27" causality="input" intervalVariability="constant" intervalDecimal="1"/>'
+    )
+
+    def clocked(text: str) -> str:
+        first = text.index("<Clock")
+        return text[:first] + ticked + text[text.index("/>", first) + 2 :]
+
+    with pytest.raises(
+        FmuError, match=r"copy.fmu: whoever runs it must tick its input clocks \(tick\), and clocks are"
+    ):
+        fmi.Fmu(rewritten(balls["3"], tmp_path, clocked))
+
+
+@pytest.mark.parametrize("kind", ["co-simulation", "model-exchange"])
+def test_a_state_of_another_fmu_or_kind_is_refused(balls: dict[str, Path], tmp_path: Path, kind: fmi.Kind) -> None:
+    other: fmi.Kind = "model-exchange" if kind == "co-simulation" else "co-simulation"
+    with fmi.Fmu(balls["3"], kind) as fmu, fmu.instantiate("one") as one, fmi.Fmu(balls["3"], other) as another:
+        one.initialize()
+        saved = one.save()
+        with another.instantiate("two") as two:
+            two.initialize()
+            for wrong in (saved, b"", two.save()[:-200]):
+                with pytest.raises(FmuError, match=r"two: (the saved state is not one of this FMU|fmi3Deserialize)"):
+                    two.restore(wrong)
+            two.step(0.0, 0.1)
+            assert two.get("h") == pytest.approx(height(0.1))
+
+
+def test_a_state_that_cannot_leave_the_fmu_says_so(balls: dict[str, Path], tmp_path: Path) -> None:
+    path = rewritten(balls["3"], tmp_path, lambda text: text.replace('canSerializeFMUState="true"', ""))
+    with fmi.Fmu(path) as fmu, fmu.instantiate("one") as one:
+        one.initialize()
+        with pytest.raises(FmuError, match="one: the FMU can keep its state, but not give it away as bytes"):
+            one.save()

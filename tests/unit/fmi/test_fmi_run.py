@@ -12,6 +12,7 @@ from seacrane import fmi
 from seacrane.cli import main
 from seacrane.cosim import Execution, FmuSlave, GaussSeidel, System
 from seacrane.errors import FmuError, ParameterError
+from seacrane.model import load
 from seacrane.model.dae import Dae
 from seacrane.results import Recording, Signal
 
@@ -149,3 +150,18 @@ def test_our_exports_give_the_same_in_every_version_and_kind(
     other = fmi.export(cylinder, tmp_path / "other.fmu", version=version)
     deviations = fmi.compare(expected, fmi.run(other, 0.5, 0.01, kind=kind, tolerance=1e-9, **settings))
     assert deviations[0].relative < 1e-6, deviations
+
+
+def test_terminals_and_icons_are_read_and_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    diagram = load(Path(__file__).parents[3] / "examples" / "boom_drive.json")
+    path = fmi.export(diagram, tmp_path / "drive.fmu", version="3.0")
+    d, pictures = fmi.read(path), fmi.icons(path)
+    assert d.terminals
+    assert pictures["terminalsAndIcons/icon.png"].startswith(b"\x89PNG")
+    assert b"<svg" in pictures["terminalsAndIcons/icon.svg"]
+    assert main(["fmu", "info", str(path)]) == 0
+    shown = capsys.readouterr().out
+    assert "terminalsAndIcons/icon.svg (" in shown
+    terminal = d.terminals[0]
+    row = next(line for line in shown.splitlines() if line.startswith(f"{terminal.name} ") and terminal.kind in line)
+    assert all(f"{member} = {variable}" in row for member, variable in terminal.members.items())

@@ -336,7 +336,7 @@ class System:
     def _checked(self, made: Iterable[Connection | Transformation]) -> list[Problem]:
         """What is wrong with new connections."""
         problems: list[Problem] = []
-        drivers = {target: terms[0].source for target, terms in self._into.items()}
+        new: dict[str, str] = {}
         for entry in made:
             sources = {c.source: self._end(c.source, "output", problems) for c in entry.terms}
             told = set()
@@ -344,8 +344,8 @@ class System:
                 source = sources[connection.source]
                 first = connection.target not in told
                 target = self._end(connection.target, "input", problems if first else [])
-                if first and target is not None and connection.target in drivers:
-                    driver = drivers[connection.target]
+                driver = new.get(connection.target) or next((c.source for c in self._into.get(connection.target, ())), "")
+                if first and target is not None and driver:
                     problems.append(Problem(connection.target, f"is driven by {driver!r} already", connection.source))
                 told.add(connection.target)
                 if source and target and connection.convert and not compatible(source, target):
@@ -358,7 +358,7 @@ class System:
                     problems.append(Problem(connection.target, message, (connection.gain, connection.bias)))
                 if connection.target in self._points and connection.source in self._ends(connection.target, True):
                     problems.append(Problem(connection.target, "drives itself", connection.source))
-            drivers |= {c.target: c.source for c in entry.terms if c.target not in drivers}
+            new |= {c.target: c.source for c in reversed(entry.terms)}
         return list(dict.fromkeys(problems))
 
     def _kind_problems(self, connection: Connection) -> list[Problem]:

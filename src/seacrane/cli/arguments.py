@@ -6,9 +6,12 @@ import argparse
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
-from seacrane.errors import Problem
+from seacrane.errors import ParameterError, Problem
+
+if TYPE_CHECKING:
+    from seacrane.results import Recording
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 """What `add_subparsers` gives, and commands are added to."""
@@ -28,3 +31,15 @@ def verdict(file: str | os.PathLike[str], problems: Sequence[Problem]) -> int:
         print(problem)
     print(f"{os.fspath(file)}: {len(problems) or 'no'} problem{'s' if len(problems) != 1 else ''}")
     return 1 if problems else 0
+
+
+def save_plot(run: Recording, names: Sequence[str], path: Path) -> None:
+    """Write beside and rename; the suffix says the kind of picture."""
+    beside = path.with_name(f".{path.stem}.part{path.suffix or '.svg'}")
+    try:
+        run.plot(*names).savefig(beside)
+        beside.replace(path)
+    except ValueError as error:
+        raise ParameterError.at(str(path), f"cannot be drawn: {error}") from None
+    finally:
+        beside.unlink(missing_ok=True)

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 from seacrane.errors import CosimError, ParameterError, Problem, SeacraneError, UnitError, nearest
 from seacrane.units import parse
 
-from .arguments import Commands, output
+from .arguments import Commands, output, save_plot
 
 if TYPE_CHECKING:
     from seacrane.cosim import Algorithm, Execution, Experiment, Pace, System
 
-_MOST_NAMED = 8
+_MOST_NAMED, _MOST_PLOTTED = 8, 12
 
 
 def add(commands: Commands) -> None:
@@ -66,6 +66,8 @@ def _run(options: argparse.Namespace) -> int:
     system = cosim.load(options.file)
     experiment = system.experiment
     until = _needed(options.until, experiment.stop, "--until")
+    if not until > experiment.start:
+        raise CosimError.at("--until", "is not after the start", value=until, allowed=f"above {experiment.start:g} s")
     step = _needed(options.step, experiment.step, "--step")
     name = options.algorithm or experiment.algorithm or "gauss-seidel"
     if name not in cosim.ALGORITHMS:
@@ -96,7 +98,8 @@ def _run(options: argparse.Namespace) -> int:
             raise
         finally:
             if options.plot and len(recorder.recording()) > 1:
-                recorder.recording().plot(*(signals or [])[:12]).savefig(options.plot)
+                recording = recorder.recording()
+                save_plot(recording, (signals or list(recording.signals))[:_MOST_PLOTTED], options.plot)
         if options.progress:
             _progress(run)(run.time, until)
             print(file=sys.stderr)
@@ -211,8 +214,12 @@ def _tell(system: System, settings: Mapping[str, float]) -> None:
     open_inputs = [name for name in system.open_inputs if name not in given]
     if open_inputs:
         named = ", ".join(open_inputs[:_MOST_NAMED]) + (", ..." if len(open_inputs) > _MOST_NAMED else "")
-        are = "input is" if len(open_inputs) == 1 else "inputs are"
-        print(f"seacrane: {len(open_inputs)} {are} not connected, at start values: {named}", file=sys.stderr)
+        they = (
+            "input is not connected and keeps its start value"
+            if len(open_inputs) == 1
+            else ("inputs are not connected and keep their start values")
+        )
+        print(f"seacrane: {len(open_inputs)} {they}: {named}", file=sys.stderr)
 
 
 def _progress(run: Execution) -> Callable[[float, float], None]:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
 
 from seacrane.errors import ParameterError, Problem, SolveError, nearest
 from seacrane.results import Recording
 
-from .arguments import Commands, output
+from .arguments import Commands, output, save_plot
 
 
 def add(commands: Commands) -> None:
@@ -91,17 +90,5 @@ def _write(run: Recording, options: argparse.Namespace, shown: list[str]) -> Non
         print(f"{options.csv}: {len(run.signals)} signals, {len(run)} rows")
     if options.plot:
         names = options.signals or [name for name in shown if name in run.signals] or list(run.signals)[:12]
-        _save(run, names, options.plot)
+        save_plot(run, names, options.plot)
         print(f"{options.plot}: {', '.join(names)}")
-
-
-def _save(run: Recording, names: list[str], path: Path) -> None:
-    """Write beside and rename; the suffix says the kind of picture."""
-    beside = path.with_name(f".{path.stem}.part{path.suffix or '.svg'}")
-    try:
-        run.plot(*names).savefig(beside)
-        beside.replace(path)
-    except ValueError as error:
-        raise ParameterError.at(str(path), f"cannot be drawn: {error}") from None
-    finally:
-        beside.unlink(missing_ok=True)

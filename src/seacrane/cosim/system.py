@@ -344,7 +344,7 @@ class System:
                 source = sources[connection.source]
                 first = connection.target not in told
                 target = self._end(connection.target, "input", problems if first else [])
-                driver = new.get(connection.target) or next((c.source for c in self._into.get(connection.target, ())), "")
+                driver = new.get(connection.target) or self._driver(connection.target)
                 if first and target is not None and driver:
                     problems.append(Problem(connection.target, f"is driven by {driver!r} already", connection.source))
                 told.add(connection.target)
@@ -360,6 +360,10 @@ class System:
                     problems.append(Problem(connection.target, "drives itself", connection.source))
             new |= {c.target: c.source for c in reversed(entry.terms)}
         return list(dict.fromkeys(problems))
+
+    def _driver(self, target: str) -> str:
+        """What is connected to a name at this level of the structure, the first of several; empty if nothing is."""
+        return self._into[target][0].source if target in self._into else ""
 
     def _kind_problems(self, connection: Connection) -> list[Problem]:
         """A number of a wider type does not go into one of a narrower type, unless it is taken as it stands."""

@@ -63,7 +63,7 @@ def test_a_system_runs_and_the_summary_says_how_fast_and_how_good_the_bonds_are(
     assert lines[1].startswith("bond rod: energy error ")
     assert [line.split()[0] for line in lines[2:4]] == ["spring.force", "mass.velocity"]
     assert lines[2].endswith(" N")
-    assert said.err == "seacrane: 1 input is not connected, at start values: mass.pull\n"
+    assert said.err == "seacrane: 1 input is not connected and keeps its start value: mass.pull\n"
 
 
 def test_what_is_asked_for_is_written_with_units_and_gauss_seidel_is_the_more_accurate(folder, tmp_path) -> None:
@@ -142,6 +142,9 @@ def test_the_steps_of_slaves_that_a_file_gives_are_used_where_an_algorithm_can(f
     [
         (["--until", "1", "--algorithm", "jakobi"], "algorithm: there is no such algorithm (got 'jakobi'); allowed: "),
         ([], "--until: is not given, and the file does not say it"),
+        (["--until", "0"], "--until: is not after the start (got 0.0); allowed: above 0 s"),
+        (["--until", "1", "--step", "0"], "step: is not a duration (got 0.0)"),
+        (["--until", "1", "--plot", "x.foo"], "x.foo: cannot be drawn: Format 'foo' is not supported"),
         (["--until", "1", "--set", "mass.pul=3"], "mass.pul: no such variable. Did you mean 'mass.pull'"),
         (["--until", "1", "--set", "mass.pull=3 m"], "mass.pull: a quantity in 'm' cannot be given in 'N'"),
         (["--until", "1", "--set", "mass.mass=0"], "mass.mass: is out of its bounds (got 0.0); allowed: 0.1 to inf kg"),

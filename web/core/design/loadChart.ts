@@ -165,20 +165,19 @@ function span(crane: Crane, a: Attachment, b: Attachment): Span {
     : { outer: b, outerLink: pb, inner: a, innerLink: pa };
 }
 
-/** Length between the pins with the rod fully in [m], as in Python: as given, or the travel centred in the stroke. */
-export function retracted(crane: Crane, cylinder: Cylinder): number {
-  if (cylinder.retracted != null) return cylinder.retracted;
+/** Shortest and longest length between the pins [m] over the limits of the joint that the cylinder moves. */
+export function cylinderLengths(crane: Crane, cylinder: Cylinder): [shortest: number, longest: number] {
   const joints = planar(crane);
   const k = joints.findIndex((joint) => joint.joint.name === cylinder.moves);
   const limits = joints[k]?.joint.limits;
-  if (!limits) return Number.NaN;
+  if (!limits) return [Number.NaN, Number.NaN];
   const { inner, outer, innerLink, outerLink } = span(crane, cylinder.base, cylinder.eye);
   let [shortest, longest] = [Number.POSITIVE_INFINITY, 0];
   const q = joints.map(() => 0);
   for (let i = 0; i < LENGTH_SAMPLES; i += 1) {
     q[k] = limits[0] + (i * (limits[1] - limits[0])) / (LENGTH_SAMPLES - 1);
     const poses = posed(crane, joints, q);
-    const [a, b] = [poses[outerLink], poses[innerLink] ?? ORIGIN];
+    const [a, b] = [poses[outerLink] ?? ORIGIN, poses[innerLink] ?? ORIGIN];
     const length = Math.hypot(
       pointX(a, outer.x, outer.z) - pointX(b, inner.x, inner.z),
       pointZ(a, outer.x, outer.z) - pointZ(b, inner.x, inner.z),
@@ -186,6 +185,13 @@ export function retracted(crane: Crane, cylinder: Cylinder): number {
     shortest = Math.min(shortest, length);
     longest = Math.max(longest, length);
   }
+  return [shortest, longest];
+}
+
+/** Length between the pins with the rod fully in [m]: as given, or so that the travel is centred in the stroke. */
+export function retracted(crane: Crane, cylinder: Cylinder): number {
+  if (cylinder.retracted != null) return cylinder.retracted;
+  const [shortest, longest] = cylinderLengths(crane, cylinder);
   return 0.5 * (shortest + longest - cylinder.stroke);
 }
 

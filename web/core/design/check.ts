@@ -1,0 +1,69 @@
+// What is wrong with a crane while it is being drawn, in words and at its place. The Python package checks everything
+// (`seacrane design check`); these are the ones that dragging brings about, fast enough for every frame.
+import { cylinderLengths, planeProblems, retracted } from "./loadChart";
+import { type Crane, FOOT } from "./types";
+
+export interface Problem {
+  /** Place in the design, such as `cylinders[jib_cylinder].stroke`. */
+  readonly path: string;
+  readonly message: string;
+}
+
+const metres = (value: number) => `${value.toFixed(3)} m`;
+
+export function problems(crane: Crane): Problem[] {
+  const found: Problem[] = planeProblems(crane).map((message) => ({ path: "links", message }));
+  for (const { name, joint, mass } of crane.links) {
+    const at = `links[${name}]`;
+    if (joint.limits && !(joint.limits[0] < joint.limits[1]))
+      found.push({
+        path: `${at}.joint.limits`,
+        message: "the lower limit must be below the upper: are they reversed?",
+      });
+    if (!(mass > 0)) found.push({ path: `${at}.mass`, message: "must be above 0 t" });
+  }
+  for (const cylinder of crane.cylinders) {
+    const at = `cylinders[${cylinder.name}]`;
+    const say = (field: string, message: string) => found.push({ path: `${at}.${field}`, message });
+    if (!(cylinder.bore > 0 && cylinder.stroke > 0 && cylinder.pressure > 0))
+      say("bore", "bore, stroke and pressure must be above 0");
+    if (!(cylinder.rod > 0 && cylinder.rod < cylinder.bore))
+      say("rod", `must be thinner than the bore of ${(1e3 * cylinder.bore).toFixed(0)} mm`);
+    const place = (link: string) => (link === FOOT ? -1 : crane.links.findIndex((other) => other.name === link));
+    const [base, eye] = [place(cylinder.base.link), place(cylinder.eye.link)];
+    const moved = crane.links.findIndex((link) => link.joint.name === cylinder.moves);
+    if (moved < 0) {
+      say("moves", `moves ${cylinder.moves}, a joint that the crane does not have`);
+      continue;
+    }
+    if (moved <= Math.min(base, eye) || moved > Math.max(base, eye)) {
+      say("moves", `the pins are not on both sides of ${cylinder.moves}`);
+      continue;
+    }
+    const limits = crane.links[moved].joint.limits;
+    if (!limits) {
+      say("moves", `cannot move ${cylinder.moves}: it is endless`);
+      continue;
+    }
+    if (!(limits[0] < limits[1])) continue;
+    const [shortest, longest] = cylinderLengths(crane, cylinder);
+    if (shortest < 1e-6) {
+      say("base", "its pins coincide within the joint's limits");
+      continue;
+    }
+    const travel = `the pins are ${metres(shortest)} to ${metres(longest)} apart over the joint's limits`;
+    if (longest - shortest > cylinder.stroke) {
+      say("stroke", `${metres(cylinder.stroke)} is too short: ${travel}, which needs ${metres(longest - shortest)}`);
+      continue;
+    }
+    const closed = retracted(crane, cylinder);
+    if (closed < longest - cylinder.stroke - 1e-9 || closed > shortest + 1e-9)
+      say("retracted", `${metres(closed)} does not let the joint reach its limits: ${travel}`);
+    if (closed < cylinder.stroke + cylinder.bore)
+      say(
+        "retracted",
+        `${metres(closed)} cannot be built: it needs stroke and bore, ${metres(cylinder.stroke + cylinder.bore)}`,
+      );
+  }
+  return found;
+}

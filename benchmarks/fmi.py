@@ -136,7 +136,7 @@ def bare(path: Path, steps: int) -> Callable[[], None]:
     fmu = fmi.Fmu(path)
     instance = fmu.instantiate()
     instance.initialize()
-    loop = fmu.library.bare
+    loop = fmu.library.loaded.bare
     loop.argtypes = [ctypes.c_void_p, ctypes.c_long, *[ctypes.c_void_p] * 3]
     calls = instance.calls
 

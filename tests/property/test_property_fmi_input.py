@@ -50,6 +50,19 @@ THREE = b"""<?xml version="1.0" encoding="UTF-8"?>
 </fmiModelDescription>
 """
 
+ONE = b"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="1.0" modelName="m" modelIdentifier="m" guid="g" numberOfContinuousStates="0" numberOfEventIndicators="0">
+  <UnitDefinitions><BaseUnit unit="m"><DisplayUnitDefinition displayUnit="mm" gain="1000"/></BaseUnit></UnitDefinitions>
+  <TypeDefinitions><Type name="T"><EnumerationType><Item name="a"/></EnumerationType></Type></TypeDefinitions>
+  <ModelVariables>
+    <ScalarVariable name="u" valueReference="1" causality="input"><Real unit="m" start="0"/></ScalarVariable>
+    <ScalarVariable name="y" valueReference="2" causality="output"><Real/><DirectDependency><Name>u</Name></DirectDependency></ScalarVariable>
+    <ScalarVariable name="e" valueReference="3" variability="parameter"><Enumeration declaredType="T" start="1"/></ScalarVariable>
+  </ModelVariables>
+  <Implementation><CoSimulation_StandAlone><Capabilities/></CoSimulation_StandAlone></Implementation>
+</fmiModelDescription>
+"""  # noqa: E501
+
 QUICK = settings(
     max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True
 )
@@ -76,7 +89,7 @@ splices = {
 }
 
 
-@pytest.mark.parametrize("sound", [SOUND, THREE], ids=["2.0", "3.0"])
+@pytest.mark.parametrize("sound", [ONE, SOUND, THREE], ids=["1.0", "2.0", "3.0"])
 @QUICK
 @given(**splices)
 def test_a_description_with_a_piece_replaced(
@@ -100,7 +113,7 @@ def test_an_archive_with_a_piece_replaced(place: float, length: int, piece: byte
     assert [p.name for p in tmp_path.iterdir()] == ["m.fmu"]
 
 
-@pytest.mark.parametrize("sound", [SOUND, THREE], ids=["2.0", "3.0"])
+@pytest.mark.parametrize("sound", [ONE, SOUND, THREE], ids=["1.0", "2.0", "3.0"])
 def test_the_sound_one_passes(sound: bytes, tmp_path: Path) -> None:
     path = tmp_path / "m.fmu"
     path.write_bytes(archive_of(sound))

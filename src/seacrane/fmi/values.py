@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import ctypes
-import math
 import re
 from collections.abc import Mapping, Sequence
-from ctypes import c_size_t, c_uint32, c_void_p
+from ctypes import c_double, c_size_t, c_uint32, c_void_p
 from typing import Any, Final
 
 import numpy as np
@@ -53,6 +52,7 @@ class Values:
         self._found: dict[Name, tuple[Variable, int | None]] = {}
         self._given: dict[str, Any] = {}
         self._started = False
+        self._reals: dict[tuple[Name, ...], Any] = {}
 
     def find(self, names: Sequence[Name]) -> list[tuple[Variable, int | None]]:
         """The variable of each name, and the element if the name is that of one. `FmuError` with all unknown ones."""
@@ -76,25 +76,34 @@ class Values:
 
     def set(self, names: Sequence[Name], values: Sequence[Any]) -> None:
         """Sets variables, all elements of an array, or single elements of one, whose others stay."""
-        whole: dict[tuple[str, int], tuple[Variable, Any]] = {}
+        references = self._references(names)
+        if references is not None and all(isinstance(value, float) for value in values):
+            array, count = (c_double * len(references))(*values), [len(references)] if self._api is FMI3 else []
+            self._call("SetFloat64" if count else "SetReal", references, len(references), array, *count)
+            return
+        given: dict[str, tuple[Variable, Any]] = {}
         for (v, element), value in zip(self.find(names), values, strict=True):
-            key = (v.name, v.value_reference)
             if element is None:
-                whole[key] = (v, value)
-                continue
-            if key not in whole:
-                whole[key] = (v, self._present(v))
-            whole[key][1][element] = value
+                given[v.name] = v, value
+            else:
+                elements = _flat(given[v.name][1]) if v.name in given else self._present(v)
+                elements[element] = value
+                given[v.name] = v, elements
         groups: dict[str, list[tuple[Variable, list[Any]]]] = {}
-        for v, value in whole.values():
+        for v, value in given.values():
             groups.setdefault(self._api.of_type(v.type), []).append((v, self._elements(v, value)))
         for kind, members in groups.items():
             self._set(kind, [v for v, _ in members], [item for _, items in members for item in items])
         if not self._started:
-            self._given |= {v.name: value for v, value in whole.values() if v.dimensions}
+            self._given |= {v.name: value for v, value in given.values() if v.dimensions}
 
     def get(self, names: Sequence[Name]) -> tuple[list[Any], bool]:
         """The values, an array for each array, and whether all of them are real scalars."""
+        references = self._references(names)
+        if references is not None:
+            array, count = (c_double * len(references))(), [len(references)] if self._api is FMI3 else []
+            self._call("GetFloat64" if count else "GetReal", references, len(references), array, *count)
+            return list(array), True
         found = self.find(names)
         values: list[Any] = [None] * len(found)
         groups: dict[str, list[int]] = {}
@@ -116,12 +125,21 @@ class Values:
                     values[i] = part[element].item() if isinstance(part, np.ndarray) else part[element]
         return values, all(v.type in REALS and (not v.dimensions or e is not None) for v, e in found)
 
+    def _references(self, names: Sequence[Name]) -> Any:
+        """The value references of real scalars, which go the short way; None if any of these is something else."""
+        key = tuple(names)
+        if key not in self._reals:
+            variables = [v for v, _ in self.find(names)]
+            short = all(v.type in ("Real", "Float64") and not v.dimensions and not v.negated for v in variables)
+            self._reals[key] = (c_uint32 * len(variables))(*(v.value_reference for v in variables)) if short else None
+        return self._reals[key]
+
     def started(self, now: bool) -> None:
         """Told when the instance has been initialised, and may be asked, or reset."""
         self._started = now
         self._given.clear()
 
-    def _present(self, v: Variable) -> np.ndarray:
+    def _present(self, v: Variable) -> list[Any]:
         """The elements of an array, flat; before the instance may be asked, those given to it or its start values."""
         known = self._given.get(v.name, v.start)
         if self._started:
@@ -129,14 +147,14 @@ class Values:
         elif known is None:
             message = f"{v.name} has no start values, so that it can only be set as a whole"
             raise FmuError.at(self._instance, message)
-        elements = list(np.asarray(known, dtype=object).ravel())
-        return np.array(elements * v.count if len(elements) == 1 else elements, dtype=object)
+        elements = _flat(known)
+        return elements * v.count if len(elements) == 1 else elements
 
     def _elements(self, v: Variable, value: Any) -> list[Any]:
         if not v.dimensions:
             value = value.item() if isinstance(value, np.ndarray) and value.size == 1 else value
             return [to_c(v, _negated(value) if v.negated else value)]
-        elements = [value] if isinstance(value, (str, bytes)) else list(np.asarray(value, dtype=object).ravel())
+        elements = _flat(value)
         if len(elements) != v.count:
             message = f"{v.name} has {v.count} elements and cannot take {len(elements)} values"
             raise FmuError.at(self._instance, message)
@@ -168,6 +186,11 @@ class Values:
             return [(text or b"").decode(errors="replace") for text in array]
         read = np.ctypeslib.as_array(array) if total else np.zeros(0)
         return read.astype(bool) if kind == "Boolean" else read
+
+
+def _flat(value: Any) -> list[Any]:
+    """The elements of what was given for an array, in row-major order."""
+    return [value] if isinstance(value, (str, bytes)) else list(np.asarray(value, dtype=object).ravel())
 
 
 def to_c(v: Variable, value: Any) -> Any:
@@ -218,8 +241,3 @@ def _bytes(value: Any) -> bytes:
 
 def _negated(value: Any) -> Any:
     return not value if isinstance(value, (bool, np.bool_)) else -value
-
-
-def whole(value: float) -> bool:
-    """Whether a number is finite and whole to what a variable of integers takes."""
-    return math.isfinite(value) and abs(value - round(value)) <= WHOLE

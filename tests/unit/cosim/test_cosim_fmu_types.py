@@ -169,6 +169,9 @@ def test_elements_are_set_and_read_by_name_from_python(feedthrough: Path) -> Non
     with fmi.Fmu(feedthrough) as fmu, fmu.instantiate("f") as slave:
         slave.set(["A[1,2]", "A[2,1]"], [20.0, 40.0])
         slave.set("A[1,1]", 10.0)
+        rows = [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]
+        slave.set(["A", "A[1,1]", "A[1,2]", "A[2,1]"], [rows, 10.0, 20.0, 40.0])
+        assert rows[0][0] == 1.0
         slave.initialize()
         assert slave.get("A").tolist() == [[10.0, 20.0, 3.0], [40.0, 5.0, 6.0]]
         slave.set("u[3]", 1.0)

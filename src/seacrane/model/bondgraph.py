@@ -117,7 +117,7 @@ def bond_graph(diagram: Diagram) -> SystemBondGraph:
     """See the module."""
     joined = _Joined(net(diagram))
     joined.simplify()
-    elements, bonds = joined.elements, _with_domains(joined.elements, joined.bonds)
+    elements, bonds = joined.elements, _with_domains(joined)
     causal = _Causality(elements, bonds)
     causal.assign()
     bonds = [replace(bond, effort_to=end) for bond, end in zip(bonds, causal.effort_to, strict=True)]
@@ -146,6 +146,8 @@ class _Joined:
         self.links: list[Link] = []
         self._at: dict[str, tuple[str, Node]] = {}
         """The junction at each power port, by its path, and the node."""
+        self.domains: dict[str, str] = {}
+        """Domains of junctions, as far as they are known from the ports that meet there."""
         for node in whole.nodes:
             if isinstance(node.ends[0].port, PowerPort):
                 self._join(node, list(node.ends))
@@ -164,6 +166,7 @@ class _Joined:
         scope = _common(scope_of(end.owner) for end in ends)
         name = f"node {ends[0].path}" if len(ends) == len(node.ends) else f"{scope}.node {ends[0].path}"
         self.elements[name] = Element(name, "0" if port.across == "p" else "1", "", scope)
+        self.domains[name] = port.domain
         depth = len(scope.split(".")) if scope else 0
         groups: dict[str, list[End]] = {}
         for end in ends:
@@ -244,6 +247,8 @@ class _Joined:
         while (change := self._next_change()) is not None:
             gone, kept, removed = change
             del self.elements[gone]
+            if self.elements[kept].kind in "01":
+                self.domains.setdefault(kept, self.domains.get(gone) or removed.domain)
 
             def named(end: str, gone: str = gone, kept: str = kept) -> str:
                 return kept if end == gone else end
@@ -287,13 +292,14 @@ def _domain(node: Node) -> str:
     return port.domain if isinstance(port, PowerPort) else ""
 
 
-def _with_domains(elements: dict[str, Element], bonds: list[DomainBond]) -> list[DomainBond]:
+def _with_domains(joined: _Joined) -> list[DomainBond]:
     """Domains carried from the ports through junctions."""
+    elements, bonds = joined.elements, joined.bonds
     domains = [bond.domain for bond in bonds]
     spreading = True
     while spreading:
         spreading = False
-        known: dict[str, str] = {}
+        known = {name: domain for name, domain in joined.domains.items() if domain}
         for bond, domain in zip(bonds, domains, strict=True):
             for end in (bond.tail, bond.head):
                 if domain and elements[end].kind in "01":

@@ -142,6 +142,23 @@ def test_a_source_with_many_branches_is_drawn_at_each_of_them() -> None:
     assert (words.count("Se"), words.count("0")) == (3, 3)
 
 
+def test_every_bond_has_the_domain_of_its_power() -> None:
+    diagram = Diagram("lift")
+    valve = diagram.add("valve", hyd.DirectionalValve43(flow=100 * l_min, at=35 * bar))
+    cylinder = diagram.add("cylinder", hyd.DoubleActingCylinder(bore=100 * mm, rod=50 * mm, stroke=1.0))
+    mass = diagram.add("mass", mech.Mass(mass=10.0, gravity=9.81))
+    pump = diagram.add("pump", hyd.ConstantPressurePump(pressure=100 * bar))
+    tank = diagram.add("tank", hyd.Tank())
+    diagram.connect(pump.p, valve.p)
+    diagram.connect(tank.p, valve.t)
+    diagram.connect(valve.a, cylinder.a)
+    diagram.connect(valve.b, cylinder.b)
+    diagram.connect(cylinder.rod, mass.flange)
+    domains = {frozenset((b.tail, b.head)): b.domain for b in diagram.bond_graph().bonds}
+    assert set(domains.values()) == {"hydraulic", "translational"}
+    assert all(domain == "translational" for ends, domain in domains.items() if "mass.inertia" in ends)
+
+
 # ---------------------------------------------------------------- signals
 def test_what_modulates_an_element_is_drawn_from_the_block_or_input_it_comes_from() -> None:
     diagram = Diagram("metered")

@@ -78,9 +78,10 @@ def read(path: str | Path, made_of: Mapping[str, str]) -> State:
         raise CosimError.at(name, f"cannot be read: {error.strerror}") from error
     if not data.startswith(FORMAT):
         first = data[:40].partition(b"\n")[0].decode("ascii", "replace")
-        known = first.startswith(FORMAT.partition(b"/")[0].decode())
-        what = "is a saved state of a format that this version cannot read" if known else "is not a saved state"
-        raise CosimError.at(name, what, value=first, allowed=FORMAT.decode().strip())
+        if first.startswith("seacrane-state/"):
+            what = "is a saved state of a format that this version cannot read"
+            raise CosimError.at(name, what, value=first, allowed=FORMAT.decode().strip())
+        raise CosimError.at(name, "is not a saved state")
     digest, payload = data[len(FORMAT) : len(FORMAT) + _DIGEST], data[len(FORMAT) + _DIGEST :]
     if hashlib.sha256(payload).digest() != digest:
         raise CosimError.at(name, "is damaged or not complete: its checksum is wrong")

@@ -109,7 +109,7 @@ def check_action(action: Action, names: Names) -> Sequence[Problem]:
     name, causality = action.variable, names.causality
     if name not in causality:
         return [Problem(name, "no such variable in the system", hint=nearest(name, causality))]
-    what = f"is {'an' if causality[name][0] in 'io' else 'a'} {causality[name]} variable"
+    what = f"is {'an' if causality[name][0] in 'aio' else 'a'} {causality[name]} variable"
     if isinstance(action, Set):
         return _set_problems(action, names.variables[name], causality[name], names.sources.get(name), what)
     if causality[name] not in ("input", "output"):

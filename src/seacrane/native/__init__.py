@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from seacrane.errors import CompileError
@@ -17,6 +18,9 @@ FOLDER = Path(__file__).parent
 """Where the C sources of the package lie."""
 
 FLAGS = ("-std=c11", "-O2", "-fPIC", "-ffp-contract=off", "-fvisibility=hidden", "-DCASADI_SYMBOL_EXPORT=")
+
+LARGE = 500_000
+"""Characters from which on a C file is large: the equations of some fifty states."""
 
 
 def source(*names: str) -> dict[str, str]:
@@ -55,7 +59,8 @@ def build_library(name: str, sources: Mapping[str, str], flags: Sequence[str] = 
     processes may build the same one at the same time. Raises `CompileError` with the command and its output.
     """
     command = [*compiler(), *FLAGS, *flags]
-    key = hashlib.sha256(repr((command, name, sorted(sources.items()))).encode()).hexdigest()
+    efforts = sorted((file, _effort(text)) for file, text in sources.items())
+    key = hashlib.sha256(repr((command, name, efforts, sorted(sources.items()))).encode()).hexdigest()
     target = cache_folder() / key[:32] / f"{name}.so"
     if target.exists():
         return target
@@ -63,12 +68,19 @@ def build_library(name: str, sources: Mapping[str, str], flags: Sequence[str] = 
     with tempfile.TemporaryDirectory(prefix="seacrane-") as folder:
         for file, text in sources.items():
             (Path(folder) / file).write_text(text, encoding="utf-8")
-        units = sorted(file for file in sources if file.endswith(".c"))
-        _run([*command, "-shared", "-o", target.name, *units, "-lm"], folder)
+        units = sorted((file for file in sources if file.endswith(".c")), key=lambda f: (-len(sources[f]), f))
+        with ThreadPoolExecutor(os.cpu_count()) as pool:  # the longest first
+            list(pool.map(lambda f: _run([*command, *_effort(sources[f]), "-c", f], folder), units))
+        _run([*command, "-shared", "-o", target.name, *(f"{Path(f).stem}.o" for f in units), "-lm"], folder)
         partial = target.with_name(f".{name}.{os.getpid()}.so")
         shutil.copyfile(Path(folder) / target.name, partial)
         partial.replace(target)
     return target
+
+
+def _effort(text: str) -> list[str]:
+    """What is compiled with less effort: the equations of a large model take half the time, and run as fast to 10 %."""
+    return ["-O1"] if len(text) > LARGE else []
 
 
 def _run(command: list[str], folder: str) -> None:

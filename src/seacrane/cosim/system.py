@@ -367,11 +367,18 @@ class System:
 
     def _kind_problems(self, connection: Connection) -> list[Problem]:
         """A number of a wider type does not go into one of a narrower type, unless it is taken as it stands."""
-        kinds = [self._kind(name) for name in (connection.source, connection.target)]
-        if not all(kinds) or not connection.convert or _WIDTH.index(kinds[0]) <= _WIDTH.index(kinds[1]):
-            return []
-        message = f"is of type {kinds[1]} and cannot take {connection.source!r}, which is of type {kinds[0]}"
-        return [Problem(connection.target, message)]
+        sources, targets = [connection.source], [connection.target]
+        if connection.source in self._points:
+            sources = [c.source for c in self._trace(connection.source)]
+        if connection.target in self._points:
+            targets = self._ends(connection.target)
+        return [
+            Problem(target, f"is of type {taken} and cannot take {source!r}, which is of type {given}")
+            for source in sources
+            for target in targets
+            if (given := self._kind(source)) and (taken := self._kind(target)) and connection.convert
+            if _WIDTH.index(given) > _WIDTH.index(taken)
+        ]
 
     def _kind(self, name: str) -> str:
         """Real, Integer or Boolean, where the type of a variable is fixed."""

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from seacrane.cosim import Connection, Execution, FmuSlave, Jacobi, System, load, read_ssp
+from seacrane.cosim import Connection, Execution, FmuSlave, Jacobi, System, load, read_ssp, write_ssp
 from seacrane.cosim.ssp.schema import SPACES
 from seacrane.errors import CosimError
 
@@ -89,8 +89,17 @@ def written(folder: Path, text: str) -> Path:
     return path
 
 
-def read(folder: Path, text: str) -> System:
-    return read_ssp(written(folder, text))
+def read(folder: Path, text: str, versions=("1.0", "2.0")) -> System:
+    """The system of a description; written and read again, it is the same."""
+    found = read_ssp(written(folder, text))
+    for version in versions:
+        again = read_ssp(write_ssp(found, folder.parent / "again.ssp", version=version))
+        assert set(again.connections) == set(found.connections)
+        assert {name: parameters(again, name) for name in again.slaves} == {
+            name: parameters(found, name) for name in found.slaves
+        }
+        assert again.open_inputs == found.open_inputs
+    return found
 
 
 def parameters(found: System, slave: str) -> dict:
@@ -246,6 +255,20 @@ def test_a_parameter_out_of_its_bounds_or_in_a_wrong_unit_is_refused(folder: Pat
     assert found == ["SystemStructure.ssd:1: m.mass: is in 'kg' and cannot take a value in 'N'"]
 
 
+def test_values_that_lie_in_the_component_are_read_from_there(folder: Path) -> None:
+    with zipfile.ZipFile(folder / "mass.fmu") as archive:
+        content = {name: archive.read(name) for name in archive.namelist()}
+    with zipfile.ZipFile(folder / "own.fmu", "w") as archive:
+        for name, data in {**content, "resources/heavy.ssv": parameter_set(real("mass", 9)).encode()}.items():
+            archive.writestr(name, data)
+    inside = binding(attributes='source="resources/heavy.ssv" sourceBase="component"')
+    assert parameters(read(folder, document(system(component("m", "own.fmu", inside)))), "m") == {"mass": 9.0}
+    gone = binding(attributes='source="resources/gone.ssv" sourceBase="component"')
+    assert problems(folder, document(system(component("m", "own.fmu", gone)))) == [
+        "SystemStructure.ssd:1: is not in 'own.fmu' (got 'resources/gone.ssv')"
+    ]
+
+
 # ---------------------------------------------------------------- signal dictionaries
 DICTIONARY = (
     f'<ssb:SignalDictionary{HEAD} version="1.0">'
@@ -371,6 +394,44 @@ def test_a_number_of_a_wider_type_does_not_go_into_a_narrower_one(tmp_path: Path
     ]
 
 
+def test_a_type_is_held_through_connectors_too(tmp_path: Path) -> None:
+    for kind in ("Real", "Integer"):
+        with zipfile.ZipFile(tmp_path / f"{kind}.fmu", "w") as archive:
+            archive.writestr("modelDescription.xml", model_description(kind, kind))
+    inner = system(component("i", "Integer.fmu"), link("u", "i.u"), connectors("input u"), name="sub")
+    found = problems(tmp_path, document(system(component("r", "Real.fmu") + inner, link("r.y", "sub.u"))))
+    assert found == ["sub.i.u: is of type Integer and cannot take 'r.y', which is of type Real"]
+
+
+def test_arrays_are_connected_element_by_element(tmp_path: Path) -> None:
+    for name, size in (("two", 2), ("three", 3)):
+        head = '<Float64 variability="continuous" name="%s" valueReference="%d" causality="%s"%s>'
+        head += f'<Dimension start="{size}"/>'
+        start = f' start="{" ".join(["0"] * size)}"'
+        variables = head % ("u", 1, "input", start) + "</Float64>" + head % ("y", 2, "output", "") + "</Float64>"
+        with zipfile.ZipFile(tmp_path / f"{name}.fmu", "w") as archive:
+            archive.writestr(
+                "modelDescription.xml",
+                f'<fmiModelDescription fmiVersion="3.0" modelName="{name}" instantiationToken="1">'
+                f'<CoSimulation modelIdentifier="{name}"/><ModelVariables>{variables}</ModelVariables>'
+                '<ModelStructure><Output valueReference="2"/></ModelStructure></fmiModelDescription>',
+            )
+    elements = component("a", "two.fmu") + component("b", "two.fmu") + component("c", "three.fmu")
+    found = read(tmp_path, document(system(elements, link("a.y", "b.u")), "2.0"), ["2.0"])
+    assert found.connections == (Connection("a.y[1]", "b.u[1]"), Connection("a.y[2]", "b.u[2]"))
+    one = link("c.u", "a.y", attributes='startIndices="3" endIndices="1"')
+    assert read(tmp_path, document(system(elements, one), "2.0"), ["2.0"]).connections == (
+        Connection("a.y[1]", "c.u[3]"),
+    )
+    with pytest.raises(CosimError, match=r"a.y\[1\]: is an element of an array. Write SSP 2.0."):
+        write_ssp(found, tmp_path / "no.ssp", version="1.0")
+    with zipfile.ZipFile(write_ssp(found, tmp_path / "yes.ssp", version="2.0")) as archive:
+        assert '<ssc:Dimension size="2" />' in archive.read("SystemStructure.ssd").decode()
+    assert problems(tmp_path, document(system(elements, link("a.y", "c.u")))) == [
+        "SystemStructure.ssd:1: connects 'a.y' and 'c.u', which have different shapes (got [2, 3])"
+    ]
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -393,6 +454,25 @@ def test_an_archive_that_holds_itself_comes_to_an_end(tmp_path: Path) -> None:
         read_ssp(tmp_path / "a.ssd")
     itself = system(component("x", "#R"), attributes='id="R"')
     assert problems(tmp_path, document(itself)) == ["SystemStructure.ssd:1: x: a system refers to itself (got 'R')"]
+
+
+def test_systems_that_multiply_by_reference_come_to_an_end(tmp_path: Path) -> None:
+    many = "".join(component(f"x{i}", "b.ssd", attributes='type="application/x-ssp-definition"') for i in range(10))
+    (tmp_path / "a.ssd").write_text(document(system(many)))
+    (tmp_path / "b.ssd").write_text(document(system(many)))
+    with pytest.raises(CosimError, match="is one too many in the system structure; allowed: at most 10000 elements"):
+        read_ssp(tmp_path / "a.ssd")
+    levels = "".join(
+        system(
+            "".join(component(f"x{i}", f"#L{n + 1}") for i in range(10)) if n < 9 else "",
+            name=f"s{n}",
+            attributes=f'id="L{n}"',
+        )
+        for n in range(10)
+    )
+    (tmp_path / "c.ssd").write_text(document(system(levels)))
+    with pytest.raises(CosimError, match="is one too many in the system structure"):
+        read_ssp(tmp_path / "c.ssd")
 
 
 def test_bad_archives_are_refused_as_bad_fmus_are(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 from seacrane.cosim.documents import Document, collected, part_name
 from seacrane.cosim.fmu import FmuSlave, kind_of
 from seacrane.cosim.slave import Slave
-from seacrane.cosim.ssp.room import DEEPEST, Room
+from seacrane.cosim.ssp.room import DEEPEST, Findings, Room
 from seacrane.cosim.ssp.schema import (
     BUS,
     DEFINITION,
@@ -30,7 +30,7 @@ from seacrane.cosim.ssp.schema import (
 from seacrane.cosim.ssp.values import Units, Value, below, linear, mapped, read_set, read_units, symbol, transformed
 from seacrane.cosim.structure import Bond, Connection, Connector, Experiment, Transformation, factor
 from seacrane.cosim.system import System
-from seacrane.errors import CosimError, FmuError, ParameterError, Problem, nearest
+from seacrane.errors import CosimError, FmuError, ParameterError, nearest
 from seacrane.fmi.xml import Element
 from seacrane.units import compatible
 
@@ -45,24 +45,19 @@ def read_ssp(path: str | Path) -> System:
     wants it. Geometry and the annotations of other tools are not kept.
     """
     path = Path(path)
-    problems: list[Problem] = []
-    notes: list[str] = []
-    with collected(problems):
+    findings = Findings()
+    with collected(findings.problems):
         room = Room.of(path)
         if not (room.folder / room.main).is_file():
             missing = "holds no SystemStructure.ssd, so it is not an SSP" if room.kept else "is not there"
             raise CosimError.at(str(path), missing)
-        structure = _Structure(room, problems, notes)
+        structure = _Structure(room, findings)
         system = structure.system(structure.root, {})
-        if problems:
+        system.name = structure.name or system.name
+        system.experiment = structure.experiment()
+        system.notes = tuple(dict.fromkeys(findings.notes))
+        if findings.problems:
             raise CosimError(())
-    return _finished(system, structure, notes)
-
-
-def _finished(system: System, structure: _Structure, notes: list[str]) -> System:
-    system.name = structure.name or system.name
-    system.experiment = structure.experiment()
-    system.notes = tuple(dict.fromkeys(notes))
     return system
 
 
@@ -91,9 +86,10 @@ class _Level:
 class _Structure:
     """One system structure description: its document, its units, and where its files are."""
 
-    def __init__(self, room: Room, problems: list[Problem], notes: list[str]) -> None:
-        self.room, self.problems, self.notes = room, problems, notes
-        self.document = Document(room.text(room.main), room.main, "SystemStructureDescription", problems)
+    def __init__(self, room: Room, findings: Findings) -> None:
+        self.room, self.findings = room, findings
+        self.problems, self.notes = findings.problems, findings.notes
+        self.document = Document(room.text(room.main), room.main, "SystemStructureDescription", self.problems)
         top = self.document.root
         self.name = top.attributes.get("name", "")
         version = top.attributes.get("version", "")
@@ -151,6 +147,7 @@ class _Structure:
 
     def _part(self, level: _Level, child: Element, key: str, values: Mapping[str, Value]) -> None:
         try:
+            self.findings.count()
             if child.tag == "System":
                 level.parts[key] = self.system(child, values, level)
             else:
@@ -176,9 +173,10 @@ class _Structure:
         if kind == FMU:
             return self._fmu(child, self.room.file(source), values)
         if kind in (DEFINITION, PACKAGE):
+            self.findings.count(archive=True)
             room = Room.of(self.room.file(source), fragment, self.room.depth + 1)
             room.kept = room.kept or self.room.kept
-            inner = _Structure(room, self.problems, self.notes)
+            inner = _Structure(room, self.findings)
             return inner.system(inner.root, values)
         document.found(child, f"is a component of a type that does not run here: {kind}", None, f"{FMU}, {PACKAGE}")
         return None
@@ -262,11 +260,12 @@ class _Structure:
             if found is None:
                 self.document.found(holder, f"<{holder.tag}> has neither a source nor a <{tag}> in it")
             return self.document, found
-        if holder.attributes.get("sourceBase", "SSD") == "component":
-            self.notes.append(f"{source}: lies inside of {owner.attributes.get('source')!r} and is not read")
-            return None, None
         try:
-            document = Document(self.room.text(source), source, tag, self.problems)
+            if holder.attributes.get("sourceBase", "SSD") == "component":
+                text = self.room.text_in(owner.attributes.get("source", ""), source)
+            else:
+                text = self.room.text(source)
+            document = Document(text, source, tag, self.problems)
         except (CosimError, FmuError) as error:
             self.problems += [replace(p, path=p.path or self.document.at(holder)) for p in error.problems]
             return None, None
@@ -334,9 +333,6 @@ class _Structure:
         ends = []
         for end in ("start", "end"):
             element, connector = link.attributes.get(f"{end}Element"), document.text(link, f"{end}Connector")
-            if f"{end}Indices" in link.attributes:
-                document.found(link, "connections of elements of arrays are not supported")
-                return
             if element is not None and element not in level.names:
                 hint = nearest(element, level.names)
                 document.found(link, f"there is no element {element!r}", hint=hint)
@@ -348,9 +344,11 @@ class _Structure:
         if any(element is not None and not self._there(level, element) for element, _ in ends):
             return
         roles = [self._role(level, *end) for end in ends]
-        if roles[0] in ("in", "none") and roles[1] in ("out", "both"):
+        turned = roles[0] in ("in", "none") and roles[1] in ("out", "both")
+        if turned:
             ends, roles = ends[::-1], roles[::-1]
         if set(roles) <= {"parameter"}:
+            self.notes.append(f"{ends[0][1]}: the parameter of one component is not passed on to another")
             return
         source, target = (self._point(level, *end, drives=i == 1) for i, end in enumerate(ends))
         gain, bias = 1.0, 0.0
@@ -360,17 +358,20 @@ class _Structure:
             elif child.tag.endswith("MappingTransformation"):
                 document.found(link, f"<{child.tag}> is not supported on a connection")
         plain = document.boolean(link, "suppressUnitConversion")
-        elements = [self._elements(level, *end) for end in ends]
-        if elements[0] != elements[1]:
-            shapes = [len(places) for places in elements]
+        indices = [link.attributes.get(f"{end}Indices", "") for end in ("start", "end")]
+        places = [self._places(level, *end, at) for end, at in zip(ends, indices[:: -1 if turned else 1], strict=True)]
+        if len(places[0]) != len(places[1]) or (len(places[0]) > 1 and places[0] != places[1]):
+            shapes = [len(found) for found in places]
             document.found(link, f"connects {source!r} and {target!r}, which have different shapes", shapes)
             return
-        for place in elements[0]:
-            one = Connection(source + place, target + place, gain, bias, not plain)
+        for start, end in zip(*places, strict=True):
+            one = Connection(source + start, target + end, gain, bias, not plain)
             level.connections.append(self._converting(level, one))
 
-    def _elements(self, level: _Level, element: str | None, connector: str) -> list[str]:
-        """What follows the name of each element of an array; of a scalar, nothing."""
+    def _places(self, level: _Level, element: str | None, connector: str, indices: str) -> list[str]:
+        """What follows the name of each element of an array, or of the one at these indices; of a scalar, nothing."""
+        if indices:
+            return [f"[{','.join(indices.split())}]"]
         part = None if element is None else level.parts.get(level.names[element])
         variable = part.description.by_name.get(connector) if isinstance(part, FmuSlave) else None
         if variable is None or not variable.dimensions:

@@ -5,17 +5,22 @@ from __future__ import annotations
 import shutil
 import tempfile
 import weakref
+from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Final
 from urllib.parse import unquote, urlsplit
 
 from seacrane.cosim.ssp.schema import MAIN
-from seacrane.errors import CosimError
-from seacrane.fmi.archive import opened, unpack
+from seacrane.errors import CosimError, Problem
+from seacrane.fmi.archive import opened, text_of, unpack
 from seacrane.fmi.xml import LARGEST
 
 DEEPEST: Final = 16
 """How deep files may refer to further ones: an archive that holds itself would have no end."""
+
+MOST_PARTS: Final = 10_000
+MOST_ARCHIVES: Final = 100
+"""Elements and archives in one structure: a few that refer to one another twice or more would make billions."""
 
 
 class Folder:
@@ -24,6 +29,24 @@ class Folder:
     def __init__(self) -> None:
         self.path = Path(tempfile.mkdtemp(prefix="seacrane-ssp-"))
         self._remove = weakref.finalize(self, shutil.rmtree, self.path, ignore_errors=True)
+
+
+@dataclass
+class Findings:
+    """What reading a structure has brought to light so far, whichever of its files it was in."""
+
+    problems: list[Problem] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    parts: int = 0
+    archives: int = 0
+
+    def count(self, *, archive: bool = False) -> None:
+        """One part more, or one archive; `CosimError` if there are too many."""
+        self.parts += 1
+        self.archives += archive
+        if self.parts > MOST_PARTS or self.archives > MOST_ARCHIVES:
+            allowed = f"at most {MOST_PARTS} elements and {MOST_ARCHIVES} archives"
+            raise CosimError.at("", "is one too many in the system structure", allowed=allowed)
 
 
 class Room:
@@ -63,3 +86,10 @@ class Room:
         if path.stat().st_size > LARGEST:
             raise CosimError.at("", f"is larger than {LARGEST // 2**20} MiB", value=uri)
         return path.read_bytes()
+
+    def text_in(self, archive: str, name: str) -> bytes:
+        """The bytes of an XML file in an FMU or in another archive."""
+        with opened(self.file(archive), "an archive") as opened_archive:
+            if name not in opened_archive.namelist():
+                raise CosimError.at("", f"is not in {archive!r}", value=name)
+            return text_of(opened_archive, name)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
 from xml.etree import ElementTree
@@ -94,7 +95,7 @@ class _Writer:
         noted = _noted([c for c in level.connections if c not in links], level.bonds.values(), ports)
         node = Node("ssd:System", {"name": name} | ({"description": system.about} if system.about else {}))
         outside = [c for c in connectors.values() if c.kind != "signal"]
-        node.extend(self.connectors((c.name, c.kind, c.unit or system.unit_of(c.name)) for c in outside))
+        node.extend(self.connectors(_Signal(c.name, c.kind, c.unit or system.unit_of(c.name)) for c in outside))
         elements = Node("ssd:Elements")
         for part_name, part in level.parts.items():
             if isinstance(part, System):
@@ -106,11 +107,12 @@ class _Writer:
         buses = _buses(signals)
         for bus, entries in buses.items():
             reference = Node("ssd:SignalDictionaryReference", {"name": ports.bus(bus), "dictionary": bus})
-            reference.extend(self.connectors((e, "inout", system.unit_of(c.name)) for e, c in entries.items()))
+            reference.extend(self.connectors(_Signal(e, "inout", system.unit_of(c.name)) for e, c in entries.items()))
             elements.append(reference)
         node.extend([elements] if len(elements) else [])
         connections = Node("ssd:Connections")
-        connections.extend(self.connection(term, *ends) for term, *ends in terms)
+        arrays: dict[str | None, set[str]] = {n: _elements(part) for n, part in level.parts.items()}
+        connections.extend([self.connection(term, source, target, arrays) for term, source, target in terms])
         node.extend([connections] if len(connections) else [])
         node.extend(self.dictionaries(system, buses))
         node.extend(_annotation(STRUCTURE, noted))
@@ -122,10 +124,12 @@ class _Writer:
         if isinstance(slave, FmuSlave) and slave.kind is not None:
             attributes["implementation"] = _IMPLEMENTATION[slave.kind]
         node = Node("ssd:Component", attributes)
-        interface = slave.interface
         # An input that nothing drives is left out: some tools take each connector of an input for a connected one.
-        inputs = [(v.name, "input", v.unit) for v in interface.inputs if v.name in used]
-        node.extend(self.connectors([*inputs, *((v.name, "output", v.unit) for v in interface.outputs)]))
+        driven = {name for u in used for name in (u, _element(u)[0])}
+        own = [s for s in _signals(slave) if s.kind == "output" or s.name in driven]
+        if self.version == "1.0":
+            own = [s for s in own if not s.shape]
+        node.extend(self.connectors(own))
         if isinstance(slave, (FmuSlave, ModelSlave)) and slave.parameters:
             node.append(self.bindings(slave))
         return node
@@ -149,11 +153,15 @@ class _Writer:
         raise AssertionError("one of the places is free")
 
     # ------------------------------------------------------------ pieces
-    def connectors(self, found: Iterable[tuple[str, str, str]]) -> list[Node]:
+    def connectors(self, found: Iterable[_Signal]) -> list[Node]:
         node = Node("ssd:Connectors")
-        for name, kind, unit in found:
-            connector = ElementTree.SubElement(node, "ssd:Connector", {"name": name, "kind": kind})
-            ElementTree.SubElement(connector, f"ssc:{self.real}", self.unit(unit))
+        for signal in found:
+            connector = ElementTree.SubElement(node, "ssd:Connector", {"name": signal.name, "kind": signal.kind})
+            held = self.real if signal.held == "Real" else signal.held
+            unit = self.unit(signal.unit) if signal.held == "Real" else {}
+            ElementTree.SubElement(connector, f"ssc:{held}", unit)
+            for size in signal.shape:
+                ElementTree.SubElement(connector, "ssc:Dimension", {"size": str(size)})
         return [node] if len(node) else []
 
     def unit(self, symbol: str) -> dict[str, str]:
@@ -163,11 +171,21 @@ class _Writer:
         self.units.add(symbol)
         return {"unit": symbol}
 
-    def connection(self, term: Connection, source: tuple[str | None, str], target: tuple[str | None, str]) -> Node:
+    def connection(
+        self,
+        term: Connection,
+        source: tuple[str | None, str],
+        target: tuple[str | None, str],
+        arrays: Mapping[str | None, set[str]],
+    ) -> Node:
         ends: dict[str, str] = {}
         for which, (element, connector) in (("start", source), ("end", target)):
+            name, place = _element(connector) if element in arrays and connector in arrays[element] else (connector, "")
+            if place and self.version == "1.0":
+                raise CosimError.at(f"{element}.{connector}", "is an element of an array", hint="Write SSP 2.0.")
             ends |= {f"{which}Element": element} if element is not None else {}
-            ends[f"{which}Connector"] = connector
+            ends[f"{which}Connector"] = name
+            ends |= {f"{which}Indices": place} if place else {}
         node = Node("ssd:Connection", ends | ({} if term.convert else {"suppressUnitConversion": "true"}))
         if (term.gain, term.bias) != (1.0, 0.0):
             numbers = {"factor": repr(term.gain), "offset": repr(term.bias)}
@@ -232,6 +250,45 @@ class _Writer:
         node = Node("ssd:DefaultExperiment", times)
         node.extend(_annotation(EXPERIMENT, ours if ours.attrib or len(ours) else None))
         return [node]
+
+
+@dataclass(frozen=True)
+class _Signal:
+    """What a connector is for; of an array, all its elements."""
+
+    name: str
+    kind: str
+    unit: str = ""
+    held: str = "Real"
+    shape: tuple[int, ...] = ()
+
+
+def _signals(slave: Slave) -> list[_Signal]:
+    """The inputs and outputs of a slave."""
+    found: dict[str, _Signal] = {}
+    for kind, group in (("input", slave.interface.inputs), ("output", slave.interface.outputs)):
+        for v in group:
+            name, shape = v.name, tuple[int, ...]()
+            if v.name in _elements(slave):
+                assert isinstance(slave, FmuSlave)
+                name = _element(v.name)[0]
+                shape = slave.description.by_name[name].shape
+            found.setdefault(name, _Signal(name, kind, v.unit, slave.interface.kinds.get(v.name, "Real"), shape))
+    return list(found.values())
+
+
+def _elements(part: Slave | System) -> set[str]:
+    """The names of all elements of arrays of an FMU."""
+    if not isinstance(part, FmuSlave):
+        return set()
+    arrays = {v.name for v in part.description.variables if v.dimensions}
+    return {name for name in part.interface.names if arrays and _element(name)[0] in arrays}
+
+
+def _element(name: str) -> tuple[str, str]:
+    """The array of an element, and its indices as the standard writes them: `x[2,3]` is x at "2 3"."""
+    array, _, place = name.rpartition("[")
+    return (array, place.rstrip("]").replace(",", " ")) if array else (name, "")
 
 
 class _Ports:

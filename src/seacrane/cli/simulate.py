@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import argparse
 import sys
+from typing import TYPE_CHECKING
 
 from seacrane.errors import ParameterError, Problem, SolveError, nearest
-from seacrane.results import Recording
 
 from .arguments import Commands, output, save_plot
+
+if TYPE_CHECKING:
+    from seacrane.results import Recording
 
 
 def add(commands: Commands) -> None:

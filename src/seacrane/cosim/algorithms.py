@@ -95,12 +95,14 @@ class Jacobi:
     put a polynomial through the last two or three. A slave that takes derivatives of its inputs (all compiled models,
     FMUs with canInterpolateInputs) gets the straight line with the polynomial's mean and first moment over its step;
     any other one holds the polynomial's mean. The error in the macro step is of order 1 with hold and 2 with linear;
-    quadratic is of order 3 where all slaves take derivatives. Outputs that depend directly on an input which is held
-    lag by half a step and bring the order back to 1. At the start, and after `Execution.set` has changed a value,
-    there is no history: the next macro step holds, and what lies before it is never used again.
+    quadratic is of order 3, but for what the start costs, where all slaves take derivatives. Outputs that depend
+    directly on an input which is held lag by half a step and bring the order back to 1. At the start, and after
+    `Execution.set` or a manipulation has changed a value, there is no history: the next macro step holds, and what
+    lies before it is never used again.
 
     With `conserve`, what the inputs of a bond have missed of its outputs, integrated over the macro step, is added in
-    the next one, so that no impulse or volume is lost between the sides; with hold this raises the order to 2.
+    the next one, so that no impulse or volume is lost between the sides; with hold this raises the order to 2 where
+    outputs do not depend on inputs directly.
     """
 
     step: float

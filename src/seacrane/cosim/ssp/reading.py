@@ -117,10 +117,15 @@ class _Structure:
         )
 
     # ------------------------------------------------------------ systems
-    def system(self, element: Element, outer: Mapping[str, Value], parent: _Level | None = None) -> System:
-        """A system element with everything in it; `outer` are values of its parameters that come from above."""
+    def system(
+        self, element: Element, outer: Mapping[str, Value], parent: _Level | None = None, key: str = ""
+    ) -> System:
+        """A system element with everything in it; `outer` are values of its parameters that come from above.
+
+        `key` is its name as a part of `parent`.
+        """
         document = self.document
-        level = _Level(element, parent, part_name(document.text(element, "name")))
+        level = _Level(element, parent, key)
         values = {**self._bindings(element), **outer}
         for entry in self._children(element, "SignalDictionaries", "SignalDictionary"):
             level.dictionaries[document.text(entry, "name")] = self._dictionary(entry)
@@ -149,9 +154,9 @@ class _Structure:
         try:
             self.findings.count()
             if child.tag == "System":
-                level.parts[key] = self.system(child, values, level)
+                level.parts[key] = self.system(child, values, level, key)
             else:
-                part = self._component(level, child, {**self._bindings(child), **values})
+                part = self._component(level, child, key, {**self._bindings(child), **values})
                 if part is not None:
                     level.parts[key] = part
                     if isinstance(part, FmuSlave):
@@ -164,11 +169,11 @@ class _Structure:
                 for p in error.problems
             ]
 
-    def _component(self, level: _Level, child: Element, values: Mapping[str, Value]) -> Slave | System | None:
+    def _component(self, level: _Level, child: Element, key: str, values: Mapping[str, Value]) -> Slave | System | None:
         document = self.document
         source, fragment = urldefrag(document.text(child, "source"))
         if not source and fragment:
-            return self._embedded(level, fragment, values)
+            return self._embedded(level, fragment, key, values)
         kind = child.attributes.get("type", FMU)
         if kind == FMU:
             return self._fmu(child, self.room.file(source), values)
@@ -181,7 +186,7 @@ class _Structure:
         document.found(child, f"is a component of a type that does not run here: {kind}", None, f"{FMU}, {PACKAGE}")
         return None
 
-    def _embedded(self, level: _Level, identity: str, values: Mapping[str, Value]) -> System:
+    def _embedded(self, level: _Level, identity: str, key: str, values: Mapping[str, Value]) -> System:
         """A system element of this document, used once more."""
         if identity in self._using or len(self._using) > DEEPEST:
             raise CosimError.at("", "a system refers to itself", value=identity)
@@ -191,7 +196,7 @@ class _Structure:
             if element.tag == "System" and element.attributes.get("id") == identity:
                 self._using.append(identity)
                 try:
-                    return self.system(element, values, level)
+                    return self.system(element, values, level, key)
                 finally:
                     self._using.pop()
             waiting += element.children

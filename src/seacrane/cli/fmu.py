@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .arguments import Commands, output, verdict
+from .arguments import Commands, output, save_plot, verdict
 
 if TYPE_CHECKING:
     from seacrane.fmi import ModelDescription
@@ -148,7 +148,7 @@ def _run(options: argparse.Namespace) -> int:
         recording.to_csv(options.csv)
         print(f"{options.csv}: {len(recording)} rows")
     if options.plot:
-        recording.plot(title=options.file.stem).savefig(options.plot)
+        save_plot(recording, recording.names, options.plot, options.file.stem)
         print(f"{options.plot}: drawn")
     if not options.csv and not options.plot:
         rows = [(n, f"{s.values[-1]:.6g}", _unit(s.unit)) for n, s in recording.signals.items()]

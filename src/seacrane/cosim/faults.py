@@ -8,7 +8,7 @@ from seacrane.cosim.watchdog import Late
 from seacrane.errors import CosimError, Problem
 
 STATUS = {0: "OK", 1: "warning", 2: "discard", 3: "error", 4: "fatal", 5: "pending"}
-"""FMI 2 status codes (FMI 2.0.4, section 2.1.3)."""
+"""FMI 2 status codes (FMI 2.0, section 2.1.3)."""
 
 _DOING = {
     "set": "taking its inputs",

@@ -125,7 +125,7 @@ class FmuInstance(Sensitivities):
         return Exchange(self.fmu.library, self._api, self._c.live, inner, signals)
 
     def _forbidden(self, v: Variable) -> Problem | None:
-        """Why a variable cannot be set now (FMI 2.0.4, section 2.2.7 and the state machines; FMI 3.0.1 alike)."""
+        """Why a variable cannot be set now (FMI 2.0, section 2.2.7 and the state machines; FMI 3.0 alike)."""
         if v.causality == "structuralParameter":
             return Problem(self.name, f"{v.name} sizes arrays, and changing it is not supported")
         allowed = "inputs, parameters, and variables whose initial is exact or approx"

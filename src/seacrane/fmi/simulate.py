@@ -53,8 +53,10 @@ def run(
     Variables in a unit that is unknown here are recorded without one. `ParameterError` with all names that do not fit,
     `FmuError` if the FMU fails.
     """
-    if not (step > 0 and math.isfinite(until)):
-        raise ParameterError.at("step", "must be positive, and the end finite", value=step)
+    if not 0 < step < math.inf:
+        raise ParameterError.at("step", "must be a positive number of seconds", value=step)
+    if not math.isfinite(until):
+        raise ParameterError.at("until", "must be a finite number of seconds", value=until)
     with Fmu(path, kind) as fmu:
         d = fmu.description
         names = _outputs(d, outputs)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -33,7 +35,7 @@ def add(commands: Commands) -> None:
     _settings(run)
     run.add_argument(
         "--output",
-        type=lambda text: text.split(","),
+        type=lambda text: re.split(r",(?![^\[]*\])", text),  # no comma of the subscripts of an element
         metavar="NAME,...",
         help="what to record (default: all outputs that are numbers)",
     )
@@ -230,13 +232,14 @@ def _values(description: ModelDescription, settings: list[str]) -> Mapping[str, 
     values, problems = {}, []
     for text in settings:
         name, equals, value = text.partition("=")
-        variable = description.by_name.get(name.strip())
+        element = fmi.element_of(name.strip(), description.by_name)
+        variable = replace(element[0], dimensions=()) if element else description.by_name.get(name.strip())
         if not equals:
             problems.append(Problem("--set", "is not NAME=VALUE", text))
         elif variable is None:
             problems.append(Problem(name, "no such variable", hint=nearest(name, description.by_name)))
         else:
-            values[variable.name] = fmi.parse(variable, value)
+            values[name.strip()] = fmi.parse(variable, value)
     if problems:
         raise ParameterError(problems)
     return values

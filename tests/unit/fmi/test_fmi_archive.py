@@ -135,6 +135,14 @@ def test_entities_and_document_types_are_refused(tmp_path: Path, scratch: Path) 
     assert "has a document type declaration; entities are not accepted in an FMU" in message
 
 
+def test_a_description_of_100_mb_is_refused_before_it_is_read(tmp_path: Path, scratch: Path) -> None:
+    path = tmp_path / "a.fmu"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED) as archive:
+        archive.writestr("modelDescription.xml", DESCRIPTION + " " * 100_000_000)
+    message = refused(path, scratch)
+    assert message.startswith(f"modelDescription.xml: is larger than {xml_room.LARGEST // 2**20} MiB")
+
+
 def test_malformed_deep_and_huge_xml(tmp_path: Path, scratch: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = packed(tmp_path / "a.fmu", {"modelDescription.xml": "<a>\n<b>"})
     assert refused(path, scratch).startswith("modelDescription.xml:2: is not well-formed XML")

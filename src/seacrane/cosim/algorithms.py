@@ -171,9 +171,11 @@ class FixedPoint:
 class Newton:
     """Newton's method for the connected outputs at the end of the macro step, whatever the strength of the coupling.
 
-    The sensitivity of a slave's outputs to its inputs over the whole macro step is found by stepping it once more for
-    each of its inputs, from its saved state; it is kept until the macro step changes by a factor of 2 or an iteration
-    reduces the error by less than four times. All slaves step with the same guess, so that the order has no influence.
+    Of slaves that give directional derivatives, those of outputs with respect to inputs are taken first: they are all
+    where a slave's outputs follow its inputs without delay. Of others, and as soon as an iteration reduces the error by
+    less than four times, the sensitivity over the whole macro step is found by stepping the slave once more for each
+    of its inputs, from its saved state. It is kept until the macro step changes by a factor of 2. All slaves step with
+    the same guess, so that the order has no influence.
     """
 
 

@@ -17,6 +17,7 @@ _DOING = {
     "watch": "giving its internal variables",
     "save": "saving its state",
     "restore": "going back to a saved state",
+    "derive": "giving its directional derivatives",
 }
 
 
@@ -60,5 +61,5 @@ def _not_converged(fault: Fault, plan: Plan, when: str) -> CosimError:
     assert iteration is not None
     count = "its equations are singular" if fault.status else f"after {iteration.most} iterations"
     message = f"does not converge {when} ({count}, tolerance {iteration.tolerance:g})"
-    hint = "Take a shorter step, Newton(), an under-relaxed FixedPoint, or a wider tolerance."
-    return CosimError(Problem(name, message, plan.values[k], hint=hint) for k, name in names.items())
+    hint = "Take a shorter step, Newton(), an under-relaxed FixedPoint, a wider tolerance, or more exact slaves."
+    return CosimError(Problem(name, message, float(plan.values[k]), hint=hint) for k, name in names.items())

@@ -31,8 +31,8 @@ took, how many were repeated with a smaller size, and the error of the last one 
 NEXT_STEP, LAST_ERROR, GREATEST_POWER = range(3)
 """What a step size control keeps: the next step [ns], the error of the last, the greatest power of each bond [W]."""
 
-VALID, FOR_STEP, JACOBIAN = range(3)
-"""What Newton's method keeps: whether there is a Jacobian, for which step [ns], and the Jacobian by rows."""
+WHENCE, FOR_STEP, JACOBIAN = range(3)
+"""What Newton's method keeps: whence its Jacobian comes, for which step [ns], and the Jacobian by rows."""
 
 
 CHANGE = np.dtype(
@@ -206,6 +206,11 @@ class Plan:
         return schedule.degree + 1 if schedule.degree or schedule.iteration else 0
 
     @property
+    def newton(self) -> bool:
+        iteration = self.schedule.iteration
+        return iteration is not None and isinstance(iteration.solver, Newton)
+
+    @property
     def order(self) -> int:
         """The order of convergence that the step size control counts on."""
         return 2 if self.schedule.degree or self.schedule.conserve else 1
@@ -293,11 +298,10 @@ class Plan:
         schedule, slaves = self.schedule, len(self.schedule.order)
         if schedule.conserve and not bonds:
             raise CosimError.at("conserve", "needs a power bond in the system", hint="Connect with system.bond().")
-        control, iteration = schedule.control, schedule.iteration
+        control = schedule.control
         if control is not None and isinstance(control.control, PowerResidual) and not bonds:
             hint = "Connect with system.bond(), or use StepDoubling()."
             raise CosimError.at("control", "PowerResidual needs a power bond in the system", hint=hint)
-        newton = iteration is not None and isinstance(iteration.solver, Newton)
         sizes = {
             "accounts": len(ACCOUNT) * bonds,
             "signals": len(SIGNALS),
@@ -305,7 +309,7 @@ class Plan:
             "times": (self.depth + 1) * slaves,
             "owed": 2 * bonds if schedule.conserve else 0,
             "controller": GREATEST_POWER + bonds if control is not None else 0,
-            "jacobian": JACOBIAN + self.coupled.size**2 if newton else 0,
+            "jacobian": JACOBIAN + self.coupled.size**2 if self.newton else 0,
         }
         places = {}
         for name, size in sizes.items():

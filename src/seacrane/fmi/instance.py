@@ -72,6 +72,8 @@ class FmuInstance(Sensitivities):
                 names["derive"] = "SetRealInputDerivatives"
             if fmu.capabilities.saves_state:
                 names |= {"save": "GetFMUstate", "restore": "SetFMUstate", "release": "FreeFMUstate"}
+            if fmu.capabilities.directional_derivative:
+                names["directional"] = "GetDirectionalDerivative"
             self.calls = Calls(**{call: address(fmu.library.function(name)) for call, name in names.items()})
         else:
             self.handle = self._foreign.handle

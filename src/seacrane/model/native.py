@@ -51,6 +51,8 @@ class Calls:
     restore: int = 0
     release: int = 0
     """Those of fmi2GetFMUstate, fmi2SetFMUstate and fmi2FreeFMUstate."""
+    directional: int = 0
+    """That of fmi2GetDirectionalDerivative."""
 
 
 @dataclass(frozen=True)
@@ -122,6 +124,7 @@ class NativeModel:
             "GetFMUstate",
             "SetFMUstate",
             "FreeFMUstate",
+            "GetDirectionalDerivative",
         )
         self.calls = Calls(*(_address(getattr(self.library, f"fmi2{name}")) for name in names))
 

@@ -155,8 +155,8 @@ class GaussSeidel:
 class FixedPoint:
     """Outputs of one iteration are the inputs of the next, changed by `relaxation` times what they differ by.
 
-    With `aitken`, that is the factor of the first iteration only, and each further one follows from the last two
-    differences. Converges where the coupling over a macro step is weak, or under-relaxed.
+    With `aitken`, that is the factor of the first iteration only, and each further one, from 0.1 to 1, follows from the
+    last two differences. Converges where the coupling over a macro step is weak, or under-relaxed.
     """
 
     relaxation: float = 1.0
@@ -254,6 +254,7 @@ class Adaptive:
     grid is reached exactly. `smallest` [s] bounds it from below, 1/1000 of the greatest unless given. `safety` is the
     share of the step that would just be tolerable. The size follows the errors of the last two steps (PI controller).
     The step taken last can be recorded as `macro_step`, its error as `coupling_error`, repeated steps as `rejected`.
+    It begins with the smallest step, at the start and after `Execution.set` or a manipulation has changed a value.
     """
 
     base: Jacobi | GaussSeidel | Iterative

@@ -138,6 +138,8 @@ class Plan:
     def __init__(self, system: System, schedule: Schedule, instances: dict[str, Instance], start_ns: int) -> None:
         self.schedule = schedule
         self.start_ns = start_ns
+        # How many samples of each output are kept; none where inputs are outputs as they are.
+        self.depth = schedule.degree + 1 if schedule.degree or schedule.iteration is not None else 0
         self.done = 0
         self.sweeps = 0
         self.rows: list[Rows] = []
@@ -200,12 +202,6 @@ class Plan:
         return self.start_ns + self.done * self.schedule.step_ns
 
     @property
-    def depth(self) -> int:
-        """How many samples of each output are kept; 0 where inputs are outputs as they are."""
-        schedule = self.schedule
-        return schedule.degree + 1 if schedule.degree or schedule.iteration else 0
-
-    @property
     def newton(self) -> bool:
         iteration = self.schedule.iteration
         return iteration is not None and isinstance(iteration.solver, Newton)
@@ -217,16 +213,17 @@ class Plan:
 
     def start(self) -> None:
         """The histories begin with the outputs as they are now."""
+        self.restart()
         if self.depth:
             self.samples[0] = self.values[: self.nominal.size]
             self.times[:, -1] = 1
-        if (control := self.schedule.control) is not None:
-            self.controller[NEXT_STEP], self.controller[LAST_ERROR] = control.smallest_ns, 1.0
 
     def restart(self) -> None:
         """Something has jumped: what the outputs were before says nothing about what comes."""
         if self.depth:
             self.times[:, -1] = 0
+        if (control := self.schedule.control) is not None:
+            self.controller[NEXT_STEP], self.controller[LAST_ERROR] = control.smallest_ns, 1.0
 
     def unsettled(self, guess: Sequence[float] | Vector) -> list[int]:
         """The connected outputs that differ from a guess by more than is tolerated."""

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from seacrane.cosim.python_loop import PythonLoop
 
 NOWHERE, TOLD, DIFFERENCES = range(3)
+LEAST_FACTOR, MOST_FACTOR = 0.1, 1.0
 SLOW, DIFFERENCE = 0.25, 1e-4
 """`iterate.c` says what they are."""
 
@@ -127,7 +128,7 @@ def aitken(factor: float, before: list[float], residual: list[float], scale: lis
         change = new * weight - last
         product += last * change
         square += change * change
-    return -factor * product / square if square > 0 else factor
+    return min(max(-factor * product / square, LEAST_FACTOR), MOST_FACTOR) if square > 0 else factor
 
 
 def iterate(plan: Plan, loop: PythonLoop, begin: int, size: int) -> int:

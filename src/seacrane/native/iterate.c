@@ -9,6 +9,8 @@ enum { NONE, FIXED_POINT, NEWTON };
 enum { WHENCE, FOR_STEP, JACOBIAN }; /* layout of plan.jacobian */
 enum { NOWHERE, TOLD, DIFFERENCES }; /* whence a Jacobian comes */
 
+#define LEAST_FACTOR 0.1 /* bounds of a relaxation that changes, without which single directions lead it astray */
+#define MOST_FACTOR 1.0
 #define SLOW 0.25       /* a Jacobian that reduces the error by less than to this share is computed anew */
 #define DIFFERENCE 1e-4 /* of the larger of value and nominal: well above the errors of the slaves' own solvers */
 
@@ -25,7 +27,7 @@ static double compare(plan_t *p) {
     return worst;
 }
 
-/* Dynamic relaxation of Aitken: the factor with which the last two residuals would have cancelled. */
+/* Dynamic relaxation of Aitken: the factor with which the last two residuals would have cancelled, within bounds. */
 static double aitken(plan_t *p, double factor) {
     double product = 0, square = 0;
     for (int64_t i = 0; i < p->coupled_count; ++i) {
@@ -33,7 +35,9 @@ static double aitken(plan_t *p, double factor) {
         product += last * change;
         square += change * change;
     }
-    return square > 0 ? -factor * product / square : factor;
+    if (square == 0) return factor;
+    const double found = -factor * product / square;
+    return found < LEAST_FACTOR ? LEAST_FACTOR : found > MOST_FACTOR ? MOST_FACTOR : found;
 }
 
 /* What a slave tells of the derivatives of its outputs at the end of the step: all of dY/dz where it has no states. */

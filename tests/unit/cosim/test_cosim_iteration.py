@@ -50,6 +50,22 @@ def test_all_solvers_come_to_the_same_motion(base, loop):
     assert np.ptp(found, axis=0).max() < 1e-9
 
 
+@LOOPS
+def test_aitken_converges_where_plain_iteration_swings_up(loop):
+    # y = 1 - 1.5 y around the loop: passed back as it is, it grows by 1.5 each time.
+    looped = System("loop")
+    looped.add("a", FunctionSlave(lambda t, h, u: 1.0 + t - 1.5 * u, [Variable("u")], [Variable("y")]))
+    looped.add("b", FunctionSlave(lambda t, h, u: u, [Variable("u")], [Variable("y")]))
+    looped.connect("a.y", "b.u")
+    looped.connect("b.y", "a.u")
+    plain = Iterative(GaussSeidel(0.5), FixedPoint(aitken=False))
+    with Execution(looped, plain, loop=loop) as run, pytest.raises(CosimError, match="does not converge"):
+        run.step(3)
+    with Execution(looped, Iterative(GaussSeidel(0.5)), loop=loop) as run:
+        run.step(3)
+        assert run.values(["a.y"])[0] == pytest.approx((1.0 + 1.0) / 2.5, rel=1e-5)
+
+
 def test_newton_needs_a_fraction_of_the_steps_of_the_slaves():
     def sweeps(solver):
         algorithm = Iterative(Jacobi(0.1, extrapolation="linear"), solver, tolerance=1e-9)

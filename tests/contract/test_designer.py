@@ -162,3 +162,34 @@ def test_a_design_is_operated_in_the_posture_and_with_the_load_asked_for(tmp_pat
 def test_a_desk_for_other_machines_must_be_allowed() -> None:
     with pytest.raises(ServerError, match="can be reached from other machines"):
         Desk(demo.FACTORY, host="0.0.0.0", port=0)
+
+
+def test_a_search_for_better_designs_tells_its_front_as_it_grows(tmp_path: Path) -> None:
+    async def scenario() -> None:
+        asked = {
+            "design": json.loads(design.to_json(design.load("offshore-100t"))),
+            "variables": [{"path": "links[jib].length"}, {"path": "cylinders[jib_cylinder].bore"}],
+            "goals": [{"kind": "reach"}, {"kind": "capacity", "radius": 20}],
+            "generations": 3,
+            "population": 8,
+        }
+        async with desk(tmp_path) as client:
+            nothing = (await client.get("api/design/optimise")).json()
+            assert nothing == {"running": False, "generations": 0, "front": None, "problems": []}
+            begun = await client.post("api/design/optimise", json=asked)
+            assert begun.json()["front"]["generation"] == 0
+            for _ in range(300):
+                told = (await client.get("api/design/optimise")).json()
+                if not told["running"]:
+                    break
+                await asyncio.sleep(0.1)
+            assert told["front"]["generation"] == 3
+            assert any(told["front"]["best"])
+            await client.post("api/design/optimise", json={**asked, "generations": 500})
+            stopped = (await client.post("api/design/optimise/stop")).json()
+            assert stopped["running"] is False
+            refused = await client.post("api/design/optimise", json={**asked, "goals": []})
+            assert refused.status_code == 422
+            assert "two goals or more" in refused.text
+
+    asyncio.run(scenario())

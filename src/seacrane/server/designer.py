@@ -7,6 +7,9 @@
     POST api/design/export      a design -> ZIP (see `design.archive`)
     POST api/design/import      a ZIP -> the design in it
     POST api/design/simulate    a design, a posture [rad], a load [kg] -> the address of its operation page
+    POST api/design/optimise    a design, variables, goals, generations, population -> the search begins
+    GET  api/design/optimise    {running, generations, front, problems}: the front so far (see `studies`)
+    POST api/design/optimise/stop
 
 A request that is wrong gets 422 with all problems; each as path, message, value, allowed, hint.
 """
@@ -19,6 +22,8 @@ import json
 import secrets
 import signal
 import tempfile
+import threading
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final
 
@@ -29,13 +34,14 @@ from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp
 
-from seacrane import design
+from seacrane import design, studies
 from seacrane.design import Crane, archive
-from seacrane.errors import DesignError, SeacraneError
+from seacrane.errors import DesignError, ParameterError, SeacraneError
 from seacrane.server import app
 from seacrane.server.guard import Guard
 from seacrane.server.serve import PORT, Listener, Server
 from seacrane.server.simulation import Factory
+from seacrane.studies import Front, plain
 
 LARGEST_DESIGN: Final = 16 * 2**20
 """Largest design, as JSON, that is taken [bytes]."""
@@ -66,6 +72,7 @@ class Desk:
         self._page = page
         self._simulation: Server | None = None
         self._starting = asyncio.Lock()
+        self._search = _Search(iter(()), 0)
         self._folder = tempfile.TemporaryDirectory(prefix="seacrane-designer-")
 
     def accepts_token(self, token: str | None) -> bool:
@@ -83,7 +90,8 @@ class Desk:
         return f"{self._listener.address}?token={self._token}"
 
     async def stop(self) -> None:
-        """End the simulation and the server. Harmless if they have ended."""
+        """End the simulation, the search and the server. Harmless if they have ended."""
+        self._search.stop()
         if self._simulation is not None:
             await self._simulation.stop()
         await self._listener.stop()
@@ -100,6 +108,9 @@ class Desk:
             Route("/api/design/export", _told(self._export), methods=["POST"]),
             Route("/api/design/import", _told(self._import), methods=["POST"]),
             Route("/api/design/simulate", _told(self._simulate), methods=["POST"]),
+            Route("/api/design/optimise", _told(self._optimise), methods=["POST"]),
+            Route("/api/design/optimise", self._front_so_far),
+            Route("/api/design/optimise/stop", self._stop_search, methods=["POST"]),
         ]
         if (self._page / "designer.html").is_file():
             routes.append(Mount("/", StaticFiles(directory=self._page, html=True)))
@@ -165,6 +176,68 @@ class Desk:
             await simulation.start()
             self._simulation = simulation
         return JSONResponse({"address": simulation.address_with_token})
+
+    async def _optimise(self, request: Request) -> Response:
+        asked = _object(await _body(request, LARGEST_DESIGN))
+        crane = design.loads(json.dumps(asked.get("design")))
+        variables, goals = studies.specification(asked, crane)
+        generations, population = asked.get("generations", 50), asked.get("population", 40)
+        if not all(isinstance(n, int) and 1 <= n <= 1000 for n in (generations, population)):
+            raise ParameterError.at("generations, population", "must be whole numbers", allowed="1 to 1000")
+        search = studies.optimise(crane, variables, goals, population=population, generations=generations)
+        self._search.stop()
+        self._search = _Search(search, generations)
+        await asyncio.to_thread(self._search.begin)
+        return await self._front_so_far(request)
+
+    async def _front_so_far(self, request: Request) -> Response:
+        search = self._search
+        return JSONResponse(
+            {
+                "running": search.running,
+                "generations": search.generations,
+                "front": None if search.front is None else plain(search.front),
+                "problems": [] if search.error is None else _problems(search.error),
+            }
+        )
+
+    async def _stop_search(self, request: Request) -> Response:
+        self._search.stop()
+        return await self._front_so_far(request)
+
+
+class _Search:
+    """A search in a thread of its own: its front so far, or what ended it."""
+
+    def __init__(self, fronts: Iterator[Front], generations: int) -> None:
+        self.generations = generations
+        self.front: Front | None = None
+        self.error: SeacraneError | None = None
+        self.running = False
+        self._fronts = fronts
+        self._stopped = threading.Event()
+
+    def begin(self) -> None:
+        """Judge the first candidates, so that what cannot be searched is refused here; go on in a thread."""
+        self.front = next(self._fronts, None)
+        self.running = self.front is not None
+        threading.Thread(target=self._run, name="design search", daemon=True).start()
+
+    def stop(self) -> None:
+        """End after the generation that is being judged."""
+        self._stopped.set()
+        self.running = False
+
+    def _run(self) -> None:
+        try:
+            for front in self._fronts:
+                if self._stopped.is_set():
+                    return
+                self.front = front
+        except SeacraneError as error:
+            self.error = error
+        finally:
+            self.running = False
 
 
 def serve_designer(

@@ -28,6 +28,7 @@ import time
 import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -41,8 +42,8 @@ INPUTS, OUTPUTS = [f"u{i}" for i in range(1, 5)], [f"y{i}" for i in range(1, 5)]
 
 SOURCE = r"""
 /* x1' = x2, x2' = -k x1 - d x2 + u1 + u2/10 + u3/100 + u4/1000; y = x1, x2, x1/2, x1 + x2. Value references: u 1 to 4,
-   y 5 to 8, x 9 and 10, k 11, d 12, and 13 the number of Euler steps in a step, which says what the FMU costs. It starts
-   at 1 and passes on what it gets, so that no number dies away into what processors are slow with. */
+   y 5 to 8, x 9 and 10, k 11, d 12, and 13 the number of Euler steps in a step, which says what the FMU costs. It
+   starts at 1 and passes on what it gets, so that no number dies away into what processors are slow with. */
 #include <stdlib.h>
 #include <string.h>
 #define COUNT 14
@@ -99,9 +100,9 @@ def description() -> str:
     scalars += [("k", 11, "parameter", "fixed", 'start="1"'), ("d", 12, "parameter", "fixed", 'start="2"')]
     scalars += [("substeps", 13, "parameter", "fixed", 'start="1"')]
     variables = "".join(
-        f'<ScalarVariable name="{name}" valueReference="{reference}" causality="{causality}" variability="{variability}">'
+        f'<ScalarVariable name="{name}" valueReference="{reference}" causality="{causality}" variability="{changes}">'
         f"<Real {start}/></ScalarVariable>"
-        for name, reference, causality, variability, start in scalars
+        for name, reference, causality, changes, start in scalars
     )
     unknowns = "".join(f'<Unknown index="{i}" dependencies=""/>' for i in range(5, 9))
     return (
@@ -129,7 +130,7 @@ def chain(path: Path, length: int, substeps: int = 1) -> Case:
     return Case(
         f"chain of {length}",
         dict.fromkeys(names, path),
-        [(a, y, b, u) for a, b in zip(names, names[1:], strict=False) for y, u in zip(OUTPUTS, INPUTS, strict=True)],
+        [(a, y, b, u) for a, b in pairwise(names) for y, u in zip(OUTPUTS, INPUTS, strict=True)],
         1e-3,
         [(name, y) for name in names for y in OUTPUTS],
         {name: {"substeps": float(substeps)} for name in names},
@@ -237,11 +238,11 @@ def threads(path: Path) -> list[dict[str, Any]]:
         for _ in range(15):
             for count, run in runs.items():
                 least[count] = min(least[count], timed(run, steps, 1)[1])
-        rows += [
-            {"engine": f"seacrane, {count} thread{'s' * (count > 1)}", "case": f"chain of 10, slaves of {us} us",
-             "logging": "none", "us_per_fmu_step": 1e6 * wall / steps / 10, "clock_us_per_fmu_step": 1e6 * wall / steps / 10}
-            for count, wall in least.items()
-        ]  # fmt: skip
+        for count, wall in least.items():
+            per = 1e6 * wall / steps / len(case.slaves)
+            rows.append({"engine": f"seacrane, {count} thread{'s' * (count > 1)}", "logging": "none",
+                         "case": f"{case.name}, slaves of {us} us", "us_per_fmu_step": per,
+                         "clock_us_per_fmu_step": per})  # fmt: skip
     return rows
 
 

@@ -113,7 +113,8 @@ def ssd(case: Case, files: dict[str, str], workers: int | None) -> str:
         f'<?xml version="1.0"?><ssd:SystemStructureDescription name="c" version="1.0" '
         f'xmlns:ssd="{SSP1}SystemStructureDescription" xmlns:ssc="{SSP1}SystemStructureCommon" '
         'xmlns:osp="http://opensimulationplatform.com/SSP/OSPAnnotations">'
-        f'<ssd:System name="r"><ssd:Elements>{parts}</ssd:Elements><ssd:Connections>{joined}</ssd:Connections></ssd:System>'
+        f'<ssd:System name="r"><ssd:Elements>{parts}</ssd:Elements>'
+        f"<ssd:Connections>{joined}</ssd:Connections></ssd:System>"
         '<ssd:DefaultExperiment startTime="0"><ssd:Annotations><ssc:Annotation type="com.opensimulationplatform">'
         f'<osp:Algorithm><osp:FixedStepAlgorithm baseStepSize="{case.step}"{threads}/></osp:Algorithm></ssc:Annotation>'
         "</ssd:Annotations></ssd:DefaultExperiment></ssd:SystemStructureDescription>"

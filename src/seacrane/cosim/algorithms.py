@@ -196,6 +196,7 @@ class Iterative:
     most: int = field(default=30, kw_only=True)
 
     def __post_init__(self) -> None:
+        _within(self.base, (Jacobi, GaussSeidel))
         _positive("tolerance", self.tolerance)
         if self.most < 1:
             raise CosimError.at("most", "is no number of iterations", value=self.most, allowed="1 or more")
@@ -263,6 +264,7 @@ class Adaptive:
     safety: float = field(default=0.9, kw_only=True)
 
     def __post_init__(self) -> None:
+        _within(self.base, (Jacobi, GaussSeidel, Iterative))
         if not self.smallest_ns <= nanoseconds(self.step, "step"):
             raise CosimError.at(
                 "smallest", "is above the greatest step", value=self.smallest, allowed=f"to {self.step:g} s"
@@ -318,6 +320,13 @@ def _check(step: float, extrapolation: str) -> None:
     if extrapolation not in DEGREE:
         hint = nearest(extrapolation, DEGREE)
         raise CosimError.at("extrapolation", "is unknown", value=extrapolation, allowed=", ".join(DEGREE), hint=hint)
+
+
+def _within(base: object, allowed: tuple[type, ...]) -> None:
+    if not isinstance(base, allowed):
+        names = ", ".join(kind.__name__ for kind in allowed)
+        hint = "From the inside out: Adaptive(Iterative(GaussSeidel(step)))."
+        raise CosimError.at("base", "is no algorithm that goes inside", value=base, allowed=names, hint=hint)
 
 
 def _positive(name: str, value: float) -> None:

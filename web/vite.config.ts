@@ -1,11 +1,17 @@
 import react from "@vitejs/plugin-react";
 import { defineConfig } from "vitest/config";
 
-// The built page is package data of the Python server, which serves it from its own folder.
+// The built pages, operation and designer, are package data of the Python server, which serves them from its own folder.
 export default defineConfig({
   base: "./",
   plugins: [react()],
-  build: { outDir: "../src/seacrane/server/page", emptyOutDir: true, chunkSizeWarningLimit: 1200 },
+  build: {
+    outDir: "../src/seacrane/server/page",
+    emptyOutDir: true,
+    chunkSizeWarningLimit: 1200,
+    rolldownOptions: { input: ["index.html", "designer.html"] },
+  },
+  worker: { format: "es" },
   server: { proxy: { "/rpc": { target: "ws://127.0.0.1:8765", ws: true }, "/api": "http://127.0.0.1:8765" } },
-  test: { environment: "happy-dom", include: ["{core,operation}/**/*.test.{ts,tsx}"] },
+  test: { environment: "happy-dom", include: ["{core,operation,designer}/**/*.test.{ts,tsx}"] },
 });

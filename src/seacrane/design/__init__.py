@@ -4,20 +4,7 @@ crane = design.load("offshore-100t")
 design.geometry.radius(crane, {"luff": 50 * deg, "jib": -70 * deg})
 """
 
-from seacrane.design import (
-    archive,
-    changes,
-    chart,
-    geometry,
-    mass,
-    mesh,
-    parts,
-    planar,
-    robot,
-    sheet,
-    standard,
-    workspace,
-)
+from seacrane.design import archive, chart, geometry, mass, mesh, parts, planar, robot, sheet, standard, workspace
 from seacrane.design.crane import (
     FOOT,
     FORMAT,
@@ -53,7 +40,6 @@ __all__ = [
     "Slew",
     "Source",
     "archive",
-    "changes",
     "chart",
     "check",
     "geometry",

@@ -3,11 +3,11 @@
 //
 // The last joint runs in the innermost loop. All that it moves is tabulated once in the frame of the link before it,
 // so that a posture costs no trigonometry, only a turn of the tables.
-import { type Attachment, type Crane, type Cylinder, FOOT, GRAVITY, type Joint, type Mode, planeJoints } from "./types";
+import { ORIGIN, type PlaneJoint, type Pose, planar, pointX, pointZ, posed, retracted, type Span, span } from "./plane";
+import { type Crane, type Cylinder, GRAVITY, type Mode } from "./types";
 
 const STROKE_MARGIN = 0.01;
 const LEAST_HANG = 1.0;
-const LENGTH_SAMPLES = 241;
 const SAFETY_FACTOR = 3;
 
 /** Loads of a grid of postures; the last joint runs fastest. */
@@ -73,126 +73,6 @@ export function meetingSpeed(crane: Crane, mode: Mode): number {
 
 export function hookSpeedNeeded(crane: Crane, mode: Mode): number {
   return ((crane.hoist.falls ?? 1) === 1 ? 0.5 : 0.28) * meetingSpeed(crane, mode);
-}
-
-// ---------------------------------------------------------------- geometry of one posture of the joints before the last
-interface Pose {
-  x: number;
-  z: number;
-  c: number;
-  s: number;
-}
-
-/** A joint of the plane: its place among the links, the way it turns or slides. */
-interface PlaneJoint {
-  readonly joint: Joint;
-  readonly link: number;
-  readonly turns: boolean;
-  /** +1 if a growing coordinate turns x towards z. */
-  readonly sign: number;
-  readonly slideX: number;
-  readonly slideZ: number;
-}
-
-function planar(crane: Crane): PlaneJoint[] {
-  const joints = planeJoints(crane);
-  return joints.map((joint) => {
-    const size = Math.hypot(...joint.axis);
-    return {
-      joint,
-      link: crane.links.findIndex((link) => link.joint.name === joint.name),
-      turns: joint.kind === "revolute",
-      sign: -joint.axis[1] / size,
-      slideX: joint.axis[0] / size,
-      slideZ: joint.axis[2] / size,
-    };
-  });
-}
-
-/** Frames of the links for coordinates of the plane's joints; a joint that is missing stands at zero. */
-function posed(crane: Crane, joints: readonly PlaneJoint[], q: readonly number[]): Pose[] {
-  let before: Pose = { x: 0, z: 0, c: 1, s: 0 };
-  return crane.links.map((link, index) => {
-    const [ox, , oz] = link.joint.origin;
-    const at: Pose = {
-      x: before.x + ox * before.c - oz * before.s,
-      z: before.z + ox * before.s + oz * before.c,
-      c: before.c,
-      s: before.s,
-    };
-    const k = joints.findIndex((joint) => joint.link === index);
-    if (k >= 0) {
-      const value = q[k] ?? 0;
-      const joint = joints[k];
-      if (joint.turns) {
-        const [c, s] = [Math.cos(value), Math.sin(value) * joint.sign];
-        at.c = before.c * c - before.s * s;
-        at.s = before.s * c + before.c * s;
-      } else {
-        at.x += value * (joint.slideX * before.c - joint.slideZ * before.s);
-        at.z += value * (joint.slideX * before.s + joint.slideZ * before.c);
-      }
-    }
-    before = at;
-    return at;
-  });
-}
-
-const ORIGIN: Pose = { x: 0, z: 0, c: 1, s: 0 };
-
-function pointX(pose: Pose, x: number, z: number): number {
-  return pose.x + x * pose.c - z * pose.s;
-}
-
-function pointZ(pose: Pose, x: number, z: number): number {
-  return pose.z + x * pose.s + z * pose.c;
-}
-
-/** Two pins of which the last link may carry one: a cylinder, or a free length of rope. */
-interface Span {
-  readonly outer: Attachment;
-  readonly inner: Attachment;
-  /** Place of the inner pin's link; -1 is the foot. */
-  readonly innerLink: number;
-  readonly outerLink: number;
-}
-
-function span(crane: Crane, a: Attachment, b: Attachment): Span {
-  const place = (at: Attachment) => (at.link === FOOT ? -1 : crane.links.findIndex((link) => link.name === at.link));
-  const [pa, pb] = [place(a), place(b)];
-  return pa >= pb
-    ? { outer: a, outerLink: pa, inner: b, innerLink: pb }
-    : { outer: b, outerLink: pb, inner: a, innerLink: pa };
-}
-
-/** Shortest and longest length between the pins [m] over the limits of the joint that the cylinder moves. */
-export function cylinderLengths(crane: Crane, cylinder: Cylinder): [shortest: number, longest: number] {
-  const joints = planar(crane);
-  const k = joints.findIndex((joint) => joint.joint.name === cylinder.moves);
-  const limits = joints[k]?.joint.limits;
-  if (!limits) return [Number.NaN, Number.NaN];
-  const { inner, outer, innerLink, outerLink } = span(crane, cylinder.base, cylinder.eye);
-  let [shortest, longest] = [Number.POSITIVE_INFINITY, 0];
-  const q = joints.map(() => 0);
-  for (let i = 0; i < LENGTH_SAMPLES; i += 1) {
-    q[k] = limits[0] + (i * (limits[1] - limits[0])) / (LENGTH_SAMPLES - 1);
-    const poses = posed(crane, joints, q);
-    const [a, b] = [poses[outerLink] ?? ORIGIN, poses[innerLink] ?? ORIGIN];
-    const length = Math.hypot(
-      pointX(a, outer.x, outer.z) - pointX(b, inner.x, inner.z),
-      pointZ(a, outer.x, outer.z) - pointZ(b, inner.x, inner.z),
-    );
-    shortest = Math.min(shortest, length);
-    longest = Math.max(longest, length);
-  }
-  return [shortest, longest];
-}
-
-/** Length between the pins with the rod fully in [m]: as given, or so that the travel is centred in the stroke. */
-export function retracted(crane: Crane, cylinder: Cylinder): number {
-  if (cylinder.retracted != null) return cylinder.retracted;
-  const [shortest, longest] = cylinderLengths(crane, cylinder);
-  return 0.5 * (shortest + longest - cylinder.stroke);
 }
 
 /** Weight on the hook over (falls times tension at the winch), each sheave turning. */

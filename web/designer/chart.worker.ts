@@ -1,0 +1,90 @@
+// Load charts off the page's thread: a section painted, curves, the verdict on a point. One answer to each request.
+import { type Curve, curve, type Verdict, verdict } from "../core/design/curve";
+import { contourStep, paint, postureAt, Rasteriser, type Section, type View } from "../core/design/section";
+import { type Crane, HARBOUR, type Mode, modes } from "../core/design/types";
+import { type Label, labels, scaleEnd } from "./section/contours";
+
+export type Request =
+  | {
+      readonly kind: "section";
+      readonly crane: Crane;
+      readonly mode: string;
+      readonly view: View;
+      readonly pixels?: ArrayBuffer;
+    }
+  | { readonly kind: "point"; readonly x: number; readonly z: number }
+  | {
+      readonly kind: "posture";
+      readonly crane: Crane;
+      readonly mode: string;
+      readonly posture: Readonly<Record<string, number>>;
+    }
+  | { readonly kind: "curves"; readonly crane: Crane; readonly width: number };
+
+export interface Painted {
+  readonly view: View;
+  /** RGBA, top row first. */
+  readonly pixels: ArrayBuffer;
+  /** Load of the brightest colour, and between contours [kg]. */
+  readonly most: number;
+  readonly step: number;
+  readonly labels: readonly Label[];
+  readonly postures: number;
+  /** Computing and painting [ms]. */
+  readonly took: number;
+}
+
+export interface Found extends Verdict {
+  readonly posture: Readonly<Record<string, number>>;
+}
+
+export interface Answers {
+  section: Painted;
+  point: Found | null;
+  posture: Verdict;
+  curves: readonly Curve[];
+}
+
+const rasteriser = new Rasteriser();
+let last: { crane: Crane; mode: Mode; section: Section } | null = null;
+
+function modeOf(crane: Crane, name: string): Mode {
+  return modes(crane).find((mode) => mode.name === name) ?? HARBOUR;
+}
+
+function answer(request: Request): Answers[Request["kind"]] {
+  switch (request.kind) {
+    case "section": {
+      const begun = performance.now();
+      const mode = modeOf(request.crane, request.mode);
+      const section = rasteriser.section(request.crane, mode, request.view);
+      last = { crane: request.crane, mode, section };
+      const most = scaleEnd(section.load);
+      const step = contourStep(most);
+      const bytes = 4 * request.view.width * request.view.height;
+      const pixels = request.pixels?.byteLength === bytes ? request.pixels : new ArrayBuffer(bytes);
+      paint(section, most, step, new Uint8ClampedArray(pixels));
+      const marks = labels(section, step, most);
+      const postures = section.coordinates.reduce((product, values) => product * values.length, 1);
+      return { view: request.view, pixels, most, step, labels: marks, postures, took: performance.now() - begun };
+    }
+    case "point": {
+      const posture = last && postureAt(last.section, request.x, request.z);
+      return last && posture ? { ...verdict(last.crane, posture, last.mode), posture } : null;
+    }
+    case "posture":
+      return verdict(request.crane, request.posture, modeOf(request.crane, request.mode));
+    case "curves":
+      return modes(request.crane).map((mode) => curve(request.crane, mode, request.width));
+  }
+}
+
+self.onmessage = ({ data }: MessageEvent<Request>) => {
+  try {
+    const value = answer(data);
+    const transfer = data.kind === "section" ? [(value as Painted).pixels] : [];
+    self.postMessage({ value }, { transfer });
+  } catch (error) {
+    self.postMessage({ error: error instanceof Error ? error.message : String(error) });
+  }
+};

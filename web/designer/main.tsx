@@ -1,0 +1,36 @@
+import "@mantine/core/styles.css";
+import "./style.css";
+import { createTheme, MantineProvider } from "@mantine/core";
+import { StrictMode } from "react";
+import { createRoot } from "react-dom/client";
+import { App } from "./App";
+import { Charts } from "./charts";
+import { autosave, recovered } from "./saving";
+import { SHIPPED } from "./shipped";
+import { createDesigner } from "./store";
+
+const FIRST = "offshore-100t";
+
+const theme = createTheme({
+  primaryColor: "cyan",
+  fontFamily: "system-ui, 'Segoe UI', Roboto, 'Liberation Sans', 'Helvetica Neue', Arial, sans-serif",
+  defaultRadius: "sm",
+  respectReducedMotion: true,
+});
+
+const kept = recovered();
+const first = kept?.crane ?? (await (SHIPPED.find(({ name }) => name === FIRST) ?? SHIPPED[0]).load());
+const designer = createDesigner(first, kept?.posture);
+if (kept) {
+  const time = new Date(kept.at).toLocaleString(undefined, { dateStyle: "medium", timeStyle: "short" });
+  designer.tell(`Recovered the work on ${first.name} of ${time}. New starts another crane.`);
+}
+autosave(designer, (reason) => designer.tell(reason, "wrong"));
+
+createRoot(document.getElementById("root")!).render(
+  <StrictMode>
+    <MantineProvider theme={theme} defaultColorScheme="auto">
+      <App bench={{ designer, sections: new Charts(), curves: new Charts() }} />
+    </MantineProvider>
+  </StrictMode>,
+);

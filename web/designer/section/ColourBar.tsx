@@ -1,0 +1,22 @@
+import { colour } from "../../core/design/section";
+import { fixed, TONNE } from "../../core/units";
+
+const STOPS = 16;
+
+/** What the colours of the section mean, in tonnes. */
+export function ColourBar({ most, step }: { most: number; step: number }) {
+  const ticks = Array.from({ length: Math.floor(most / step) + 1 }, (_, i) => i * step);
+  const gradient = Array.from({ length: STOPS + 1 }, (_, i) => `rgb(${colour(i / STOPS).join(" ")})`).join(", ");
+  return (
+    <figure className="colour-bar" aria-label={`Colours: 0 to ${most / TONNE} t`}>
+      <figcaption>SWL [t]</figcaption>
+      <div style={{ background: `linear-gradient(to top, ${gradient})` }}>
+        {ticks.map((load) => (
+          <span key={load} style={{ bottom: `${(100 * load) / most}%` }}>
+            {fixed(load / TONNE, step < TONNE ? 1 : 0)}
+          </span>
+        ))}
+      </div>
+    </figure>
+  );
+}

@@ -1,0 +1,3 @@
+export default function Solid() {
+  return <section className="solid" aria-label="The crane in three dimensions" />;
+}

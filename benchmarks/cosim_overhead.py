@@ -12,10 +12,12 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import statistics
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -51,17 +53,19 @@ def link() -> Dae:
     )
 
 
-def chain() -> System:
-    slave = ModelSlave(link(), {"solver.fixed_step": STEP, "u0": 1.0})
-    system = System("chain", {f"s{i}": slave for i in range(SLAVES)})
-    for i in range(1, SLAVES):
+def chain(slaves: int = SLAVES, substeps: int = 1) -> System:
+    slave = ModelSlave(link(), {"solver.fixed_step": STEP / substeps, "u0": 1.0})
+    system = System("chain", {f"s{i}": slave for i in range(slaves)})
+    for i in range(1, slaves):
         for j in range(PORTS):
             system.connect(f"s{i - 1}.y{j}", f"s{i}.u{j}")
     return system
 
 
-def coupled(loop: str, steps: int, record: bool) -> tuple[Callable[[], None], Execution]:
-    run = Execution(chain(), Jacobi(STEP), loop=loop).start()  # type: ignore[arg-type]
+def coupled(
+    loop: str, steps: int, record: bool = False, system: System | None = None, threads: int = 1, **how: Any
+) -> tuple[Callable[[], None], Execution]:
+    run = Execution(system or chain(), Jacobi(STEP, **how), loop=loop, threads=threads).start()  # type: ignore[arg-type]
     if record:
         run.record(keep=1.0)
     return lambda: run.step(steps), run
@@ -82,14 +86,22 @@ def alone(steps: int) -> Callable[[], None]:
 
 def measure(rounds: int, steps: int) -> dict[str, float]:
     """Median microseconds per slave and macro step for each variant."""
-    slow = max(1, steps // 20)
+    slow, few = max(1, steps // 20), max(1, steps // 100)
+    cores = os.cpu_count() or 1
     c, c_run = coupled("c", steps, record=False)
     recorded, _ = coupled("c", steps, record=True)
+    linear, _ = coupled("c", steps, extrapolation="linear")
+    thousand, _ = coupled("c", few, system=chain(1000))
+    expensive = [coupled("c", few, system=chain(SLAVES, substeps=500), threads=n)[0] for n in (1, cores)]
     python, python_run = coupled("python", slow, record=False)
     variants = {
         "alone": (alone(steps), steps),
         "c": (c, steps * SLAVES),
         "c, recorded": (recorded, steps * SLAVES),
+        "c, linear": (linear, steps * SLAVES),
+        "c, 1000": (thousand, few * 1000),
+        "50 us": (expensive[0], few * SLAVES),
+        "50 us, threads": (expensive[1], few * SLAVES),
         "python": (python, slow * SLAVES),
     }
     times: dict[str, list[float]] = {name: [] for name in variants}
@@ -113,12 +125,14 @@ def main() -> None:
     figures = measure(arguments.rounds, arguments.steps)
     print("us per slave and macro step (slave included):")
     for name, value in figures.items():
-        print(f"  {name:12} {value:7.3f}")
+        print(f"  {name:14} {value:7.3f}")
     overhead = figures["c"] - figures["alone"]
     recording = figures["c, recorded"] - figures["c"]
     ratio = figures["python"] / figures["c"]
     print(f"master in C above the slave itself: {overhead:.3f}; recording all outputs to memory: {recording:.3f}")
-    print(f"python loop / C loop: {ratio:.1f}")
+    print(
+        f"python loop / C loop: {ratio:.1f}; threads: {figures['50 us'] / figures['50 us, threads']:.2f} times as fast"
+    )
     if arguments.json:
         arguments.json.write_text(
             json.dumps({"us": figures, "overhead_us": overhead, "recording_us": recording, "ratio": ratio}, indent=2)

@@ -49,3 +49,16 @@ def test_an_exported_design_is_checked_and_shown_like_any_other(
 def test_a_mode_that_is_not_there_is_an_error_with_the_modes(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["design", "chart", "offshore-100t", "--mode", "hs9"]) == 2
     assert "allowed: harbour, hs1.0" in capsys.readouterr().err
+
+
+def test_a_search_is_resumed_from_its_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    spec, front = tmp_path / "spec.json", tmp_path / "front.json"
+    spec.write_text('{"variables": [{"path": "links[jib].length"}], "goals": [{"kind": "reach"}, {"kind": "weight"}]}')
+    command = ["design", "optimise", "offshore-100t", "--front", str(front), "--population", "8"]
+    assert main([*command, "--generations", "1"]) == 2
+    assert "--spec: is needed to begin a search" in capsys.readouterr().err
+    assert main([*command, "--spec", str(spec), "--generations", "1"]) == 0
+    assert main([*command, "--generations", "2"]) == 0
+    told = capsys.readouterr()
+    assert "generation 2 of 2" in told.err
+    assert "designs that none beats in every goal" in told.out

@@ -1,4 +1,4 @@
-"""The command line: `seacrane demo`, `run`, `recording`, `simulate`, `model`, `fmu` and `design`, one module each."""
+"""The command line: `seacrane demo`, `designer`, `run` and the others, one module each."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from seacrane import __version__
 from seacrane.errors import SeacraneError
 
-from . import demo, design, fmu, model, recording, run, simulate
+from . import demo, design, designer, fmu, model, recording, run, simulate
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -41,6 +41,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"seacrane {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    for command in (demo, run, recording, simulate, model, fmu, design):
+    for command in (demo, run, recording, simulate, model, fmu, design, designer):
         command.add(commands)
     return parser

@@ -33,11 +33,11 @@ def verdict(file: str | os.PathLike[str], problems: Sequence[Problem]) -> int:
     return 1 if problems else 0
 
 
-def save_plot(run: Recording, names: Sequence[str], path: Path) -> None:
+def save_plot(run: Recording, names: Sequence[str], path: Path, title: str = "") -> None:
     """Write beside and rename; the suffix says the kind of picture."""
     beside = path.with_name(f".{path.stem}.part{path.suffix or '.svg'}")
     try:
-        run.plot(*names).savefig(beside)
+        run.plot(*names, title=title).savefig(beside)
         beside.replace(path)
     except ValueError as error:
         raise ParameterError.at(str(path), f"cannot be drawn: {error}") from None

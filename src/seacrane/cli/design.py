@@ -1,13 +1,14 @@
-"""`seacrane design show`, `check`, `chart` and `export`."""
+"""`seacrane design show`, `check`, `chart`, `optimise` and `export`."""
 
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from seacrane import documents
-from seacrane.errors import DesignError
+from seacrane.errors import DesignError, ParameterError
 
 from .arguments import Commands, output, verdict
 
@@ -33,7 +34,16 @@ def add(commands: Commands) -> None:
     export = design.add_parser("export", help="write a ZIP: design, meshes, masses, load chart, MJCF, URDF, data sheet")
     export.add_argument("--out", type=output, metavar="FILE", help="NAME.zip in this folder unless given")
     export.set_defaults(run=_export)
-    for action in (show, check, chart, export):
+    optimise = design.add_parser(
+        "optimise", help="search sizes for reach, capacity and weight; the front goes to a file"
+    )
+    optimise.add_argument("--spec", metavar="FILE", help='JSON: {"variables": [{"path"}], "goals": [{"kind"}]}')
+    optimise.add_argument("--front", type=output, required=True, metavar="FILE", help="the front; an old one goes on")
+    optimise.add_argument("--generations", type=int, default=50, help="generations in all (default 50)")
+    optimise.add_argument("--population", type=int, default=40, help="candidates of a generation (default 40)")
+    optimise.add_argument("--seed", type=int, default=1, help="another seed searches elsewhere (default 1)")
+    optimise.set_defaults(run=_optimise)
+    for action in (show, check, chart, export, optimise):
         action.add_argument("design", help="a design that comes with the package, a design file, or an exported ZIP")
 
 
@@ -109,6 +119,44 @@ def _draw_section(crane: Crane, mode: Mode, path: Path) -> None:
 def _save(figure: Figure, path: Path) -> None:
     figure.savefig(path)
     print(f"{path}: drawn")
+
+
+def _optimise(options: argparse.Namespace) -> int:
+    from seacrane import studies
+
+    crane = load(options.design)
+    state = studies.read(options.front) if options.front.exists() else None
+    variables: tuple[studies.Variable, ...] = ()
+    goals: tuple[studies.Goal, ...] = ()
+    if state is None:
+        if options.spec is None:
+            raise ParameterError.at("--spec", "is needed to begin a search", hint="See docs: optimisation of a design.")
+        data = documents.parsed(documents.read(options.spec, ParameterError), options.spec, ParameterError)
+        variables, goals = studies.specification(data, crane)
+    search = studies.optimise(
+        crane,
+        variables,
+        goals,
+        population=options.population,
+        generations=options.generations,
+        seed=options.seed,
+        state=state,
+    )
+    for front in search:
+        studies.save(front, options.front)
+        print(f"\rgeneration {front.generation} of {options.generations}", end="", file=sys.stderr, flush=True)
+    print(file=sys.stderr)
+    names = [*(variable.path for variable in front.variables), *(goal.name for goal in front.wanted)]
+    print("  ".join(names))
+    for values, results in zip(front.values[front.best], front.goals[front.best], strict=True):
+        sizes = [f"{size:.4g} m" for size in values]
+        shown = [
+            f"{result:.4g} m" if goal.kind == "reach" else f"{result / 1e3:.4g} t"
+            for goal, result in zip(front.wanted, results, strict=True)
+        ]
+        print("  ".join([*sizes, *shown]))
+    print(f"{options.front}: {int(front.best.sum())} designs that none beats in every goal")
+    return 0
 
 
 def _export(options: argparse.Namespace) -> int:

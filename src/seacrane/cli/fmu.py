@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .arguments import Commands, output, verdict
+from .arguments import Commands, output, save_plot, verdict
 
 if TYPE_CHECKING:
     from seacrane.fmi import ModelDescription
@@ -33,7 +35,7 @@ def add(commands: Commands) -> None:
     _settings(run)
     run.add_argument(
         "--output",
-        type=lambda text: text.split(","),
+        type=lambda text: re.split(r",(?![^\[]*\])", text),  # no comma of the subscripts of an element
         metavar="NAME,...",
         help="what to record (default: all outputs that are numbers)",
     )
@@ -148,7 +150,7 @@ def _run(options: argparse.Namespace) -> int:
         recording.to_csv(options.csv)
         print(f"{options.csv}: {len(recording)} rows")
     if options.plot:
-        recording.plot(title=options.file.stem).savefig(options.plot)
+        save_plot(recording, recording.names, options.plot, options.file.stem)
         print(f"{options.plot}: drawn")
     if not options.csv and not options.plot:
         rows = [(n, f"{s.values[-1]:.6g}", _unit(s.unit)) for n, s in recording.signals.items()]
@@ -230,13 +232,14 @@ def _values(description: ModelDescription, settings: list[str]) -> Mapping[str, 
     values, problems = {}, []
     for text in settings:
         name, equals, value = text.partition("=")
-        variable = description.by_name.get(name.strip())
+        element = fmi.element_of(name.strip(), description.by_name)
+        variable = replace(element[0], dimensions=()) if element else description.by_name.get(name.strip())
         if not equals:
             problems.append(Problem("--set", "is not NAME=VALUE", text))
         elif variable is None:
             problems.append(Problem(name, "no such variable", hint=nearest(name, description.by_name)))
         else:
-            values[variable.name] = fmi.parse(variable, value)
+            values[name.strip()] = fmi.parse(variable, value)
     if problems:
         raise ParameterError(problems)
     return values

@@ -95,12 +95,14 @@ class Jacobi:
     put a polynomial through the last two or three. A slave that takes derivatives of its inputs (all compiled models,
     FMUs with canInterpolateInputs) gets the straight line with the polynomial's mean and first moment over its step;
     any other one holds the polynomial's mean. The error in the macro step is of order 1 with hold and 2 with linear;
-    quadratic is of order 3 where all slaves take derivatives. Outputs that depend directly on an input which is held
-    lag by half a step and bring the order back to 1. At the start, and after `Execution.set` has changed a value,
-    there is no history: the next macro step holds, and what lies before it is never used again.
+    quadratic is of order 3, but for what the start costs, where all slaves take derivatives. Outputs that depend
+    directly on an input which is held lag by half a step and bring the order back to 1. At the start, and after
+    `Execution.set` or a manipulation has changed a value, there is no history: the next macro step holds, and what
+    lies before it is never used again.
 
     With `conserve`, what the inputs of a bond have missed of its outputs, integrated over the macro step, is added in
-    the next one, so that no impulse or volume is lost between the sides; with hold this raises the order to 2.
+    the next one, so that no impulse or volume is lost between the sides; with hold this raises the order to 2 where
+    outputs do not depend on inputs directly.
     """
 
     step: float
@@ -153,8 +155,8 @@ class GaussSeidel:
 class FixedPoint:
     """Outputs of one iteration are the inputs of the next, changed by `relaxation` times what they differ by.
 
-    With `aitken`, that is the factor of the first iteration only, and each further one follows from the last two
-    differences. Converges where the coupling over a macro step is weak, or under-relaxed.
+    With `aitken`, that is the factor of the first iteration only, and each further one, from 0.1 to 1, follows from the
+    last two differences. Converges where the coupling over a macro step is weak, or under-relaxed.
     """
 
     relaxation: float = 1.0
@@ -169,9 +171,11 @@ class FixedPoint:
 class Newton:
     """Newton's method for the connected outputs at the end of the macro step, whatever the strength of the coupling.
 
-    The sensitivity of a slave's outputs to its inputs over the whole macro step is found by stepping it once more for
-    each of its inputs, from its saved state; it is kept until the macro step changes by a factor of 2 or an iteration
-    reduces the error by less than four times. All slaves step with the same guess, so that the order has no influence.
+    Of slaves that give directional derivatives, those of outputs with respect to inputs are taken first: they are all
+    where a slave's outputs follow its inputs without delay. Of others, and as soon as an iteration reduces the error by
+    less than four times, the sensitivity over the whole macro step is found by stepping the slave once more for each
+    of its inputs, from its saved state. It is kept until the macro step changes by a factor of 2. All slaves step with
+    the same guess, so that the order has no influence.
     """
 
 
@@ -192,6 +196,7 @@ class Iterative:
     most: int = field(default=30, kw_only=True)
 
     def __post_init__(self) -> None:
+        _within(self.base, (Jacobi, GaussSeidel))
         _positive("tolerance", self.tolerance)
         if self.most < 1:
             raise CosimError.at("most", "is no number of iterations", value=self.most, allowed="1 or more")
@@ -250,6 +255,7 @@ class Adaptive:
     grid is reached exactly. `smallest` [s] bounds it from below, 1/1000 of the greatest unless given. `safety` is the
     share of the step that would just be tolerable. The size follows the errors of the last two steps (PI controller).
     The step taken last can be recorded as `macro_step`, its error as `coupling_error`, repeated steps as `rejected`.
+    It begins with the smallest step, at the start and after `Execution.set` or a manipulation has changed a value.
     """
 
     base: Jacobi | GaussSeidel | Iterative
@@ -258,6 +264,7 @@ class Adaptive:
     safety: float = field(default=0.9, kw_only=True)
 
     def __post_init__(self) -> None:
+        _within(self.base, (Jacobi, GaussSeidel, Iterative))
         if not self.smallest_ns <= nanoseconds(self.step, "step"):
             raise CosimError.at(
                 "smallest", "is above the greatest step", value=self.smallest, allowed=f"to {self.step:g} s"
@@ -313,6 +320,13 @@ def _check(step: float, extrapolation: str) -> None:
     if extrapolation not in DEGREE:
         hint = nearest(extrapolation, DEGREE)
         raise CosimError.at("extrapolation", "is unknown", value=extrapolation, allowed=", ".join(DEGREE), hint=hint)
+
+
+def _within(base: object, allowed: tuple[type, ...]) -> None:
+    if not isinstance(base, allowed):
+        names = ", ".join(kind.__name__ for kind in allowed)
+        hint = "From the inside out: Adaptive(Iterative(GaussSeidel(step)))."
+        raise CosimError.at("base", "is no algorithm that goes inside", value=base, allowed=names, hint=hint)
 
 
 def _positive(name: str, value: float) -> None:

@@ -30,6 +30,8 @@ class Calls(Protocol):
     def restore(self) -> int: ...
     @property
     def release(self) -> int: ...
+    @property
+    def directional(self) -> int: ...
 
 
 class Inner(Protocol):
@@ -56,7 +58,7 @@ class CompiledInstance(Instance):
         calls = inner.calls
         self.calls = NativeCalls(
             inner.handle, calls.set, calls.step, calls.get, references,
-            calls.derive, calls.save, calls.restore, calls.release,
+            calls.derive, calls.save, calls.restore, calls.release, calls.directional,
         )  # fmt: skip
         self._name = name
         self._input_names = [v.name for v in interface.inputs]

@@ -121,7 +121,7 @@ class Execution:
                 instances[name] = slave.instantiate(name)
                 self._resources.callback(instances[name].close)
             self._plan = Plan(system, schedule, instances, round(start * NANOSECONDS))
-            self._loop = _loop(self._plan, loop, threads or len(os.sched_getaffinity(0)))
+            self._loop = _loop(self._plan, loop, threads or _processors())
             self._resources.callback(self._loop.close)
         except BaseException:
             self._finalizer()
@@ -747,6 +747,11 @@ class _Recorder:
             self.drain()
         finally:
             self.observer.close()
+
+
+def _processors() -> int:
+    """Those that this process may use, where the system tells."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _loop(plan: Plan, wanted: str, threads: int) -> Loop:

@@ -8,7 +8,7 @@ from seacrane.cosim.watchdog import Late
 from seacrane.errors import CosimError, Problem
 
 STATUS = {0: "OK", 1: "warning", 2: "discard", 3: "error", 4: "fatal", 5: "pending"}
-"""FMI 2 status codes (FMI 2.0.4, section 2.1.3)."""
+"""FMI 2 status codes (FMI 2.0, section 2.1.3)."""
 
 _DOING = {
     "set": "taking its inputs",
@@ -17,6 +17,7 @@ _DOING = {
     "watch": "giving its internal variables",
     "save": "saving its state",
     "restore": "going back to a saved state",
+    "derive": "giving its directional derivatives",
 }
 
 
@@ -60,5 +61,5 @@ def _not_converged(fault: Fault, plan: Plan, when: str) -> CosimError:
     assert iteration is not None
     count = "its equations are singular" if fault.status else f"after {iteration.most} iterations"
     message = f"does not converge {when} ({count}, tolerance {iteration.tolerance:g})"
-    hint = "Take a shorter step, Newton(), an under-relaxed FixedPoint, or a wider tolerance."
-    return CosimError(Problem(name, message, plan.values[k], hint=hint) for k, name in names.items())
+    hint = "Take a shorter step, Newton(), an under-relaxed FixedPoint, a wider tolerance, or more exact slaves."
+    return CosimError(Problem(name, message, float(plan.values[k]), hint=hint) for k, name in names.items())

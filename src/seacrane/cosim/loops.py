@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from seacrane.cosim.plan import Plan, Rows
 
 DONE, ROWS_FULL, FAULT, STOPPED = range(4)
-STAGES = ("set", "step", "get", "finite", "watch", "save", "restore", "converge")
+STAGES = ("set", "step", "get", "finite", "watch", "save", "restore", "converge", "derive")
 
 
 @dataclass(frozen=True)

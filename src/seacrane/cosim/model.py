@@ -7,11 +7,12 @@ from functools import cached_property
 
 from seacrane.cosim.compiled import CompiledInstance, started
 from seacrane.cosim.slave import Instance, Interface, Slave, check_values
+from seacrane.errors import SolveError
 from seacrane.model.codegen import SETTINGS
 from seacrane.model.dae import Dae
 from seacrane.model.dependencies import dependencies
 from seacrane.model.diagram import Diagram
-from seacrane.model.native import NativeInstance, NativeModel, build
+from seacrane.model.native import DISCARD, NativeInstance, NativeModel, build
 
 
 class ModelSlave(Slave):
@@ -71,7 +72,15 @@ class ModelInstance(CompiledInstance):
 
     inner: NativeInstance
 
+    _findings = ""
+
+    def failed(self, status: int) -> None:
+        self._findings = ""
+        if status == DISCARD:
+            told = self.message
+            problems = self.inner.explained(SolveError.at(self.inner.name, told)).problems[1:]
+            self._findings = ". ".join([told, *map(str, problems)])
+
     @property
     def message(self) -> str:
-        library = self.inner.model.library
-        return str(library.seacrane_message(self.inner.handle).decode())
+        return self._findings or str(self.inner.model.library.seacrane_message(self.inner.handle).decode())

@@ -12,7 +12,6 @@ from seacrane.cosim.algorithms import FixedPoint, PowerResidual
 from seacrane.cosim.loops import FAULT, STAGES, Fault, Loop
 from seacrane.cosim.plan import Part, Plan
 from seacrane.cosim.slave import Callback, RestoreFunction, SaveFunction
-from seacrane.errors import SeacraneError
 from seacrane.native import build_library, source
 
 _Address, _Int, _Real = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
@@ -26,7 +25,7 @@ def _fields(*groups: tuple[Any, str]) -> list[tuple[str, Any]]:
 
 class _Slave(ctypes.Structure):
     _fields_ = _fields(
-        (_Address, "handle set step get derive save release restore callback"),
+        (_Address, "handle set step get derive directional save release restore callback"),
         (_Address, "input_references output_references watched_references derived_references orders"),
         (_Address, "inputs outputs watched begins slopes derived_slopes times"),
         (_Int, "first_input first_output input_count output_count watched_count derived_count"),
@@ -69,9 +68,9 @@ class _Plan(ctypes.Structure):
         (_Address, "calls stop"),
         (_Int, "value_count output_count depth order"),
         (_Address, "samples signals"),
-        (_Int, "iteration aitken most coupled_count"),
+        (_Int, "iteration aitken most tells coupled_count"),
         (_Real, "relaxation tolerance"),
-        (_Address, "coupled coupled_slave nominal jacobian guess residual before scale base matrix"),
+        (_Address, "coupled coupled_slave nominal jacobian guess residual before scale base matrix column"),
         (_Int, "control smallest_ns"),
         (_Real, "control_tolerance safety power"),
         (_Address, "controller backup coarse"),
@@ -225,6 +224,8 @@ class NativeLoop(Loop):
                 slave.orders = address(np.ones(driven.size, dtype=np.int32))
                 slave.begins, slave.slopes = (address(np.zeros(len(interface.inputs))) for _ in range(2))
                 slave.derived_slopes = address(np.zeros(driven.size))
+        if calls is not None and calls.directional and self._plan.newton:
+            slave.directional = calls.directional
         if calls is not None and calls.save:
             slave.save, slave.restore, slave.release = calls.save, calls.restore, calls.release
         else:
@@ -248,6 +249,8 @@ class NativeLoop(Loop):
                 native.relaxation, native.aitken = solver.relaxation, solver.aitken
             else:
                 native.matrix = address(np.zeros(count * count))
+                native.column = address(np.zeros(plan.nominal.size))
+                native.tells = any(slave.directional for slave in self._slaves)
             native.most, native.tolerance = iteration.most, iteration.tolerance
             native.coupled, native.coupled_count = address(plan.coupled), count
             native.coupled_slave, native.jacobian = address(plan.coupled_slave), plan.jacobian.ctypes.data
@@ -276,7 +279,7 @@ class _SavedStates:
             number = place[0] or len(states) + 1
             try:
                 states[number] = instance.save()
-            except SeacraneError as error:
+            except BaseException as error:  # it cannot pass through C; the run ends with it
                 instance.failure = error
                 return _ERROR
             place[0] = number
@@ -285,7 +288,7 @@ class _SavedStates:
         def restore(_: int, number: int) -> int:
             try:
                 instance.restore(states[number])
-            except SeacraneError as error:
+            except BaseException as error:  # it cannot pass through C; the run ends with it
                 instance.failure = error
                 return _ERROR
             return 0

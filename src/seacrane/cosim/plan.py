@@ -31,8 +31,8 @@ took, how many were repeated with a smaller size, and the error of the last one 
 NEXT_STEP, LAST_ERROR, GREATEST_POWER = range(3)
 """What a step size control keeps: the next step [ns], the error of the last, the greatest power of each bond [W]."""
 
-VALID, FOR_STEP, JACOBIAN = range(3)
-"""What Newton's method keeps: whether there is a Jacobian, for which step [ns], and the Jacobian by rows."""
+WHENCE, FOR_STEP, JACOBIAN = range(3)
+"""What Newton's method keeps: whence its Jacobian comes, for which step [ns], and the Jacobian by rows."""
 
 
 CHANGE = np.dtype(
@@ -138,6 +138,8 @@ class Plan:
     def __init__(self, system: System, schedule: Schedule, instances: dict[str, Instance], start_ns: int) -> None:
         self.schedule = schedule
         self.start_ns = start_ns
+        # How many samples of each output are kept; none where inputs are outputs as they are.
+        self.depth = schedule.degree + 1 if schedule.degree or schedule.iteration is not None else 0
         self.done = 0
         self.sweeps = 0
         self.rows: list[Rows] = []
@@ -200,10 +202,9 @@ class Plan:
         return self.start_ns + self.done * self.schedule.step_ns
 
     @property
-    def depth(self) -> int:
-        """How many samples of each output are kept; 0 where inputs are outputs as they are."""
-        schedule = self.schedule
-        return schedule.degree + 1 if schedule.degree or schedule.iteration else 0
+    def newton(self) -> bool:
+        iteration = self.schedule.iteration
+        return iteration is not None and isinstance(iteration.solver, Newton)
 
     @property
     def order(self) -> int:
@@ -212,16 +213,17 @@ class Plan:
 
     def start(self) -> None:
         """The histories begin with the outputs as they are now."""
+        self.restart()
         if self.depth:
             self.samples[0] = self.values[: self.nominal.size]
             self.times[:, -1] = 1
-        if (control := self.schedule.control) is not None:
-            self.controller[NEXT_STEP], self.controller[LAST_ERROR] = control.smallest_ns, 1.0
 
     def restart(self) -> None:
         """Something has jumped: what the outputs were before says nothing about what comes."""
         if self.depth:
             self.times[:, -1] = 0
+        if (control := self.schedule.control) is not None:
+            self.controller[NEXT_STEP], self.controller[LAST_ERROR] = control.smallest_ns, 1.0
 
     def unsettled(self, guess: Sequence[float] | Vector) -> list[int]:
         """The connected outputs that differ from a guess by more than is tolerated."""
@@ -293,11 +295,10 @@ class Plan:
         schedule, slaves = self.schedule, len(self.schedule.order)
         if schedule.conserve and not bonds:
             raise CosimError.at("conserve", "needs a power bond in the system", hint="Connect with system.bond().")
-        control, iteration = schedule.control, schedule.iteration
+        control = schedule.control
         if control is not None and isinstance(control.control, PowerResidual) and not bonds:
             hint = "Connect with system.bond(), or use StepDoubling()."
             raise CosimError.at("control", "PowerResidual needs a power bond in the system", hint=hint)
-        newton = iteration is not None and isinstance(iteration.solver, Newton)
         sizes = {
             "accounts": len(ACCOUNT) * bonds,
             "signals": len(SIGNALS),
@@ -305,7 +306,7 @@ class Plan:
             "times": (self.depth + 1) * slaves,
             "owed": 2 * bonds if schedule.conserve else 0,
             "controller": GREATEST_POWER + bonds if control is not None else 0,
-            "jacobian": JACOBIAN + self.coupled.size**2 if newton else 0,
+            "jacobian": JACOBIAN + self.coupled.size**2 if self.newton else 0,
         }
         places = {}
         for name, size in sizes.items():

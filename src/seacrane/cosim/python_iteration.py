@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 from seacrane.cosim.algorithms import FixedPoint, Iterative
 from seacrane.cosim.loops import Failed, Fault
-from seacrane.cosim.plan import FOR_STEP, JACOBIAN, VALID, Plan
+from seacrane.cosim.plan import FOR_STEP, JACOBIAN, WHENCE, Plan
 
 if TYPE_CHECKING:
     from seacrane.cosim.python_loop import PythonLoop
 
+NOWHERE, TOLD, DIFFERENCES = range(3)
+LEAST_FACTOR, MOST_FACTOR = 0.1, 1.0
 SLOW, DIFFERENCE = 0.25, 1e-4
 """`iterate.c` says what they are."""
 
@@ -46,12 +48,30 @@ class _Iteration:
     def put(self) -> None:
         self.plan.samples[0, self.plan.coupled] = self.guess
 
-    def differentiate(self, states: list[Any]) -> None:
+    def ask(self, number: int) -> None:
+        plan, slave, n = self.plan, self.loop.slaves[number], len(self.coupled)
+        matrix = plan.jacobian[JACOBIAN:].reshape(n, n)
+        owners = plan.coupled_slave.tolist()
+        for source, target, origin, gain in zip(slave.sources, slave.targets, slave.origins, slave.gains, strict=True):
+            j = self.coupled.index(source)
+            if not self.loop.slaves[owners[j]].active:
+                continue
+            mean, _, _, end = slave.weigh(origin, self.begin, self.begin + self.size)
+            share = (end[0] if slave.derives else mean[0]) * gain
+            column = slave.directional(target - slave.part.inputs.start)
+            for r, row in enumerate(self.coupled):
+                if owners[r] == number:
+                    matrix[r, j] += column.item(row - slave.part.outputs.start) * share
+
+    def differentiate(self, states: list[Any], told: bool) -> None:
         plan, n = self.plan, len(self.coupled)
         count = plan.nominal.size
         base = plan.values[:count].copy()
         matrix = plan.jacobian[JACOBIAN:].reshape(n, n)
         matrix[:] = 0
+        for i, slave in enumerate(self.loop.slaves):
+            if told and slave.tells and slave.active:
+                self.ask(i)
         owners = plan.coupled_slave.tolist()
         for j, k in enumerate(self.coupled):
             if not self.loop.slaves[owners[j]].active:
@@ -60,7 +80,7 @@ class _Iteration:
             delta = changed - self.guess[j]
             plan.samples[0, k] = changed
             for i, slave in enumerate(self.loop.slaves):
-                if k not in slave.sources or not slave.active:
+                if k not in slave.sources or not slave.active or (told and slave.tells):
                     continue
                 slave.restore(states[i])
                 slave.step(self.begin, self.size)
@@ -70,7 +90,7 @@ class _Iteration:
             plan.samples[0, k] = self.guess[j]
         plan.sweeps += 1
         plan.values[:count] = base
-        plan.jacobian[VALID], plan.jacobian[FOR_STEP] = 1, self.size
+        plan.jacobian[WHENCE], plan.jacobian[FOR_STEP] = TOLD if told else DIFFERENCES, self.size
 
     def solve(self) -> bool:
         n = len(self.coupled)
@@ -108,7 +128,7 @@ def aitken(factor: float, before: list[float], residual: list[float], scale: lis
         change = new * weight - last
         product += last * change
         square += change * change
-    return -factor * product / square if square > 0 else factor
+    return min(max(-factor * product / square, LEAST_FACTOR), MOST_FACTOR) if square > 0 else factor
 
 
 def iterate(plan: Plan, loop: PythonLoop, begin: int, size: int) -> int:
@@ -143,11 +163,15 @@ def iterate(plan: Plan, loop: PythonLoop, begin: int, size: int) -> int:
             it.guess = [g + factor * r for g, r in zip(it.guess, it.residual, strict=True)]
         else:
             known_for = plan.jacobian.item(FOR_STEP)
-            fits = plan.jacobian[VALID] and known_for / 2 < size < 2 * known_for
-            fresh = not fits or (not fresh and count > 1 and error > SLOW * last)
-            if fresh:
+            whence = plan.jacobian.item(WHENCE)
+            fits = whence != NOWHERE and known_for / 2 < size < 2 * known_for
+            slow = not fresh and count > 1 and error > SLOW * last
+            fresh = False
+            if not fits or slow:
+                told = any(s.tells for s in loop.slaves) and whence != DIFFERENCES and not (fits and slow)
                 it.put()
-                it.differentiate(states)
+                it.differentiate(states, told)
+                fresh = not told
             if not it.solve():
                 raise Failed(Fault(-1, "converge", 1, -1, plan.unsettled(it.guess)))
             it.guess = [g + r for g, r in zip(it.guess, it.residual, strict=True)]

@@ -13,9 +13,9 @@ import numpy as np
 
 from seacrane.cosim.algorithms import StepDoubling
 from seacrane.cosim.loops import DONE, FAULT, ROWS_FULL, STOPPED, Failed, Fault, Loop, append
-from seacrane.cosim.plan import GREATEST_POWER, LAST_ERROR, NEXT_STEP, SIGNALS, BondIndices, Part, Plan
+from seacrane.cosim.plan import GREATEST_POWER, LAST_ERROR, NEXT_STEP, SIGNALS, BondIndices, Part, Plan, Transfer
 from seacrane.cosim.python_iteration import iterate
-from seacrane.cosim.slave import DeriveFunction, GetFunction, SetFunction, StepFunction, Vector
+from seacrane.cosim.slave import DeriveFunction, DirectionalFunction, GetFunction, SetFunction, StepFunction, Vector
 from seacrane.errors import SeacraneError
 
 MACRO_STEP, ITERATIONS, REJECTED, COUPLING_ERROR = range(len(SIGNALS))
@@ -288,15 +288,17 @@ class PythonSlave:
     def __init__(self, part: Part, plan: Plan, number: int) -> None:
         self.part, self._plan, self._number = part, plan, number
         self.outputs = plan.values[part.outputs]
+        self._held = Transfer(plan.values, [part])
         columns = (part.sources, part.targets, part.origins, part.owed, part.gains, part.biases, part.adds)
         self.sources, self.targets, self.origins, self.owed, self.gains, self.biases, self.adds = (
             column.tolist() for column in columns
         )
         calls = self._calls = part.instance.calls
         interface, inputs = part.interface, plan.values[part.inputs]
-        self._derives = calls is not None and bool(calls.derive) and plan.schedule.degree > 0
+        self.derives = calls is not None and bool(calls.derive) and plan.schedule.degree > 0
         self._begins, self._slopes = (np.zeros(inputs.size) for _ in range(2))
         self._driven = part.driven
+        self.tells = calls is not None and bool(calls.directional) and plan.newton
         if calls is not None:
             handle = self._handle = ctypes.c_void_p(calls.handle)
             self._set, self._get, self._step = SetFunction(calls.set), GetFunction(calls.get), StepFunction(calls.step)
@@ -304,14 +306,16 @@ class PythonSlave:
             given, taken, derived = (
                 self._references(names) for names in (places, [v.name for v in interface.outputs], driven)
             )
-            start = self._begins if self._derives else inputs
+            start = self._begins if self.derives else inputs
             self._put = handle, given.ctypes.data, given.size, start.ctypes.data
             self._take = handle, taken.ctypes.data, taken.size, self.outputs.ctypes.data
             ones, self._rates = np.ones(derived.size, dtype=np.int32), np.zeros(derived.size)
-            if self._derives:
+            if self.derives:
                 self._derive = DeriveFunction(calls.derive)
             self._change = handle, derived.ctypes.data, derived.size, ones.ctypes.data, self._rates.ctypes.data
             self._kept = given, taken, derived, ones
+            if self.tells:
+                self._directional = DirectionalFunction(calls.directional)
         self.refresh()
 
     def refresh(self) -> None:
@@ -330,7 +334,7 @@ class PythonSlave:
         return not part.stopped and (part.every == 1 or (self._plan.done + 1) % part.every == 0)
 
     # ------------------------------------------------------------ inputs
-    def _weigh(self, origin: int, a: float, b: float) -> tuple[list[float], ...]:
+    def weigh(self, origin: int, a: float, b: float) -> tuple[list[float], ...]:
         """Weights of the samples for mean, begin, slope and end; see `exchange.c`."""
         times = self._plan.times[origin].tolist()
         count = max(1, int(times[-1]))
@@ -358,20 +362,23 @@ class PythonSlave:
 
     def transfer(self, begin: int, end: int) -> None:
         values, depth = self._plan.values, self._plan.depth
+        if not depth and not self._plan.schedule.conserve:
+            self._held.transfer()
+            return
         seconds = (end - begin) / 1e9
         for source, target, origin, owed, gain, bias, adds in zip(
             self.sources, self.targets, self.origins, self.owed, self.gains, self.biases, self.adds, strict=True
         ):
             mean, more = values.item(source), 0.0
             if depth:
-                weights = self._weigh(origin, begin, end)
+                weights = self.weigh(origin, begin, end)
                 mean = self._weighed(weights[0], source)
             value = mean * gain + (values.item(target) if adds else bias)
             if owed >= 0:
                 more = values.item(owed) / seconds
                 value = value + more
             values[target] = value
-            if self._derives:
+            if self.derives:
                 place = target - self.part.inputs.start
                 begun = self._weighed(weights[1], source) * gain
                 rate = self._weighed(weights[2], source) * gain / seconds
@@ -388,7 +395,7 @@ class PythonSlave:
                 c["raw"] = plan.values[target]
             plan.values[target] = plan.changed(c, t)
             place = target - part.inputs.start
-            if self._derives and 0 <= place < self._begins.size:
+            if self.derives and 0 <= place < self._begins.size:
                 self._begins[place] = plan.changed(c, t, None if c["fixed"] else self._begins.item(place))
                 self._slopes[place] = float(c["gain"]) * self._slopes.item(place)
 
@@ -411,7 +418,7 @@ class PythonSlave:
         for k in range(part.substeps):
             a, b = first + window * k // part.substeps, first + window * (k + 1) // part.substeps
             t = (plan.start_ns + a) / 1e9
-            if self._derives:
+            if self.derives:
                 self._begins[:] = plan.values[part.inputs]
             if plan.depth:
                 self.transfer(a, b)
@@ -433,7 +440,7 @@ class PythonSlave:
             return
         if self._put[2] and bad(status := self._set(*self._put)):
             raise self._failed("set", status)
-        if self._derives and self._driven.size:
+        if self.derives and self._driven.size:
             self._rates[:] = self._slopes[self._driven]
             if bad(status := self._derive(*self._change)):
                 raise self._failed("set", status)
@@ -443,6 +450,15 @@ class PythonSlave:
     def _failed(self, stage: str, status: int, variable: int = -1) -> Failed:
         return Failed(Fault(self._number, stage, status, variable))
 
+    def directional(self, place: int) -> Vector:
+        """The derivatives of the outputs with respect to the input at this place, as the slave tells them."""
+        outputs, inputs = self._kept[1], self._kept[0]
+        known, seed, column = inputs[place : place + 1].copy(), np.ones(1), np.empty(self.outputs.size)
+        arguments = (outputs.ctypes.data, outputs.size, known.ctypes.data, 1, seed.ctypes.data, column.ctypes.data)
+        if bad(status := self._directional(self._handle, *arguments)):
+            raise self._failed("derive", status)
+        return column
+
     def watch(self) -> int:
         if self._calls is None or not self._look[2]:
             return 0
@@ -450,7 +466,7 @@ class PythonSlave:
 
     # ------------------------------------------------------------ history
     def predict(self, begin: int, size: int) -> list[float]:
-        weights = self._weigh(self._number, begin, begin + size)[3]
+        weights = self.weigh(self._number, begin, begin + size)[3]
         return [self._weighed(weights, place) for place in range(self.part.outputs.start, self.part.outputs.stop)]
 
     def push(self, time: int, outputs: Any) -> None:

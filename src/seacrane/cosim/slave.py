@@ -30,6 +30,10 @@ StepFunction = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_double, 
 DeriveFunction = ctypes.CFUNCTYPE(
     ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p
 )
+DirectionalFunction = ctypes.CFUNCTYPE(
+    ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_size_t,
+    ctypes.c_void_p, ctypes.c_void_p,
+)  # fmt: skip
 SaveFunction = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.POINTER(ctypes.c_void_p))
 RestoreFunction = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)
 Callback = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_double, ctypes.c_double)
@@ -64,6 +68,8 @@ class NativeCalls:
     it lets inputs vary within the next step, by their derivatives with respect to time at its beginning. It is 0 where
     the slave only takes inputs that are held.
 
+    `directional` is that of fmi2GetDirectionalDerivative, 0 where the slave gives none.
+
     `save`, `restore` and `release` are those of fmi2GetFMUstate, fmi2SetFMUstate and fmi2FreeFMUstate, for macro steps
     that are repeated; they are 0 where the methods of the instance have to be called.
     """
@@ -77,6 +83,7 @@ class NativeCalls:
     save: int = 0
     restore: int = 0
     release: int = 0
+    directional: int = 0
 
 
 class Slave(ABC):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
@@ -267,7 +268,7 @@ class System:
         def full(inner: str) -> str:
             return f"{name}.{inner}"
 
-        self._level.parts[name] = part
+        self._level.parts[name] = part._snapshot()
         self._slaves |= {full(n): slave for n, slave in part._slaves.items()}
         self._variables |= {full(n): v for n, v in part._variables.items()}
         self._owners |= {full(n): full(slave) for n, slave in part._owners.items()}
@@ -278,6 +279,14 @@ class System:
             ends = ((full(b.effort[0]), full(b.effort[1])), (full(b.flow[0]), full(b.flow[1])))
             self._bonds[full(n)] = Bond(full(n), *ends, b.gain)
         self._resolved = None
+
+    def _snapshot(self) -> System:
+        """This system as it stands now, whatever is done to it later."""
+        taken = copy(self)
+        taken._level = Level(**{name: copy(value) for name, value in vars(self._level).items()})
+        for name in ("_slaves", "_bonds", "_variables", "_owners", "_points", "_into"):
+            setattr(taken, name, dict(getattr(self, name)))
+        return taken
 
     def _try_declare(self, connector: Connector) -> list[Problem]:
         name = connector.name

@@ -4,7 +4,20 @@ crane = design.load("offshore-100t")
 design.geometry.radius(crane, {"luff": 50 * deg, "jib": -70 * deg})
 """
 
-from seacrane.design import archive, chart, geometry, mass, mesh, parts, planar, robot, sheet, standard, workspace
+from seacrane.design import (
+    archive,
+    changes,
+    chart,
+    geometry,
+    mass,
+    mesh,
+    parts,
+    planar,
+    robot,
+    sheet,
+    standard,
+    workspace,
+)
 from seacrane.design.crane import (
     FOOT,
     FORMAT,
@@ -40,6 +53,7 @@ __all__ = [
     "Slew",
     "Source",
     "archive",
+    "changes",
     "chart",
     "check",
     "geometry",

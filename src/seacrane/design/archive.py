@@ -36,7 +36,9 @@ from seacrane.errors import DesignError
 DESIGN: Final = "design.json"
 NOTICE: Final = "Computed from a design. Not a certified load chart, not approved by any class."
 
-_LARGEST_ARCHIVE = 256 * 2**20
+LARGEST: Final = 256 * 2**20
+"""Largest archive that is read [bytes]."""
+
 _LARGEST_DESIGN = 16 * 2**20
 _MOST_ENTRIES = 1000
 _EPOCH = (1980, 1, 1, 0, 0, 0)
@@ -50,6 +52,11 @@ def provenance(crane: Crane) -> str:
 
 def export(crane: Crane, path: str | os.PathLike[str]) -> None:
     """Write the archive of a crane. `DesignError` with all that is wrong with it; nothing is written then."""
+    documents.write(packed(crane), path)
+
+
+def packed(crane: Crane) -> bytes:
+    """The archive of a crane. `DesignError` with all that is wrong with it."""
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in _files(crane):
@@ -57,19 +64,25 @@ def export(crane: Crane, path: str | os.PathLike[str]) -> None:
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = 0o644 << 16
             archive.writestr(entry, data)
-    documents.write(content.getvalue(), path)
+    return content.getvalue()
 
 
 def load_archive(path: str | os.PathLike[str]) -> Crane:
     """The crane of an archive that `export`, or the page, has written. `DesignError` with the reason if it is none."""
     name = os.fspath(path)
     try:
-        if Path(path).stat().st_size > _LARGEST_ARCHIVE:
-            raise DesignError.at(name, f"is larger than {_LARGEST_ARCHIVE // 2**20} MiB")
-        with zipfile.ZipFile(path) as archive:
-            return loads(_design_in(archive, name), origin=f"{name}: {DESIGN}")
+        if Path(path).stat().st_size > LARGEST:
+            raise DesignError.at(name, f"is larger than {LARGEST // 2**20} MiB")
     except OSError as failure:
         raise DesignError.at(name, f"cannot be read: {failure.strerror or failure}") from None
+    return unpacked(documents.read(path, DesignError), name)
+
+
+def unpacked(content: bytes, name: str) -> Crane:
+    """The crane in the bytes of an archive; `name` stands for it in errors. `DesignError` if none is."""
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            return loads(_design_in(archive, name), origin=f"{name}: {DESIGN}")
     except (zipfile.BadZipFile, EOFError, NotImplementedError, RuntimeError, ValueError) as failure:
         raise DesignError.at(name, f"is not a whole ZIP archive: {failure}") from None
 

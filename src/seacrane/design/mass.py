@@ -7,15 +7,19 @@ Graphics Tools 1(2), 1996, does the same by surface integrals).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 import msgspec
 import numpy as np
 
-from seacrane.design.crane import Crane, Link
+from seacrane.design.crane import Crane, Cylinder, Link
 from seacrane.design.mesh import Array, Mesh, mesh
-from seacrane.design.parts import Part
+from seacrane.design.parts import STEEL, Part
+
+_HOOP_STRESS = 150e6
+"""Of a cylinder's barrel at working pressure [Pa]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,3 +83,16 @@ def weighed(crane: Crane) -> Crane:
         return msgspec.structs.replace(old, mass=body.mass, com=(x, y, z), inertia=(xx, yy, zz))
 
     return msgspec.structs.replace(crane, links=tuple(link(old) for old in crane.links))
+
+
+def of_cylinder(cylinder: Cylinder) -> float:
+    """An estimate of the mass of a cylinder set [kg], steel only: rods, barrels, pistons with heads and eyes.
+
+    The barrel's wall bears the working pressure at a hoop stress of 150 MPa (thin wall, p d / 2 t); pistons, heads and
+    eyes are taken as a solid two bores long.
+    """
+    rod = math.pi / 4 * cylinder.rod**2 * cylinder.stroke
+    wall = cylinder.pressure * cylinder.bore / (2 * _HOOP_STRESS)
+    barrel = math.pi * (cylinder.bore + wall) * wall * cylinder.stroke
+    ends = math.pi / 4 * cylinder.bore**2 * 2 * cylinder.bore
+    return cylinder.count * STEEL * (rod + barrel + ends)

@@ -18,6 +18,7 @@ from seacrane.fmi.fmu import Fmu, Kind, icons, read
 from seacrane.fmi.instance import FmuInstance
 from seacrane.fmi.simulate import Deviation, compare, parse, run
 from seacrane.fmi.typed import Exchange, bounds, exchanges_all_types
+from seacrane.fmi.values import element_of
 from seacrane.fmi.wasm import export_wasm
 
 __all__ = [
@@ -40,6 +41,7 @@ __all__ = [
     "cached",
     "check",
     "compare",
+    "element_of",
     "exchanges_all_types",
     "export",
     "export_wasm",

@@ -66,7 +66,7 @@ def _problems(archive: zipfile.ZipFile, size: int) -> Iterator[Problem]:
         name = entry.orig_filename
         parts = PurePosixPath(name).parts
         if "\\" in name or "\0" in name:
-            yield Problem(name, "is a path with a character that the standard forbids", hint="FMI 2.0.4, section 2.3")
+            yield Problem(name, "is a path with a character that the standard forbids", hint="FMI 2.0, section 2.3")
         elif name.startswith("/") or ".." in parts or (parts and ":" in parts[0]):
             yield Problem(name, "is a path that leads out of the archive")
         kind = stat.S_IFMT(entry.external_attr >> 16)
@@ -75,7 +75,7 @@ def _problems(archive: zipfile.ZipFile, size: int) -> Iterator[Problem]:
         if entry.flag_bits & 1:
             yield Problem(name, "is encrypted")
         if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-            yield Problem(name, "is compressed by another method than deflate", hint="FMI 2.0.4, section 2.3")
+            yield Problem(name, "is compressed by another method than deflate", hint="FMI 2.0, section 2.3")
         if name in names:
             yield Problem(name, "is in the archive twice")
         names.add(name)

@@ -37,13 +37,13 @@ _ALLOWED: Final = {
     },
     "independent": {"continuous": ""},
 }
-"""Variability and initial that go with each causality (FMI 2.0.4, section 2.2.7)."""
+"""Variability and initial that go with each causality (FMI 2.0, section 2.2.7)."""
 
 _ALLOWED3: Final = _ALLOWED | {
     "structuralParameter": {"fixed": "exact", "tunable": "exact"},
     "input": {"discrete": "exact", "continuous": "exact"},
 }
-"""The same in FMI 3.0 (FMI 3.0.1, section 2.4.7); clocks have no initial."""
+"""The same in FMI 3.0 (FMI 3.0, section 2.4.7); clocks have no initial."""
 
 _KINDS: Final = ("dependent", "constant", "fixed", "tunable", "discrete")
 

@@ -109,7 +109,7 @@ class Unknown:
 
 @dataclass(frozen=True, kw_only=True)
 class Capabilities:
-    """What an FMU can do in either of its kinds (FMI 2.0.4, sections 3.3.1 and 4.3.1; FMI 3.0.1, 2.4, 3.4 and 4.4)."""
+    """What an FMU can do in either of its kinds (FMI 2.0, sections 3.3.1 and 4.3.1; FMI 3.0, 2.4, 3.4 and 4.4)."""
 
     model_identifier: str
     needs_execution_tool: bool = False

@@ -52,7 +52,10 @@ def export(
     """Writes the model as an FMU that contains its solver, and returns the path.
 
     Inputs, outputs, parameters, states, algebraic unknowns and observables keep their names. The FMU runs for
-    co-simulation and for model exchange; it has documentation, an icon and a terminal for each power bond.
+    co-simulation and for model exchange; it has documentation, an icon and a terminal for each power bond. Events
+    happen within a step of co-simulation, and are event indicators for model exchange. In FMI 2.0 inputs follow the
+    derivatives that a master gives for a step; FMI 3.0 would have them set in intermediate updates, which are not
+    offered: there inputs are held over a step.
     With `sources` its C is inside as well; without, nothing of the equations can be read. The file appears complete or
     not at all, and the same model gives the same bytes.
 

@@ -63,6 +63,7 @@ class Calls:
 
     `derive` is that of fmi2SetRealInputDerivatives, 0 if the FMU holds its inputs over a step. `save`, `restore` and
     `release` are those of fmi2GetFMUstate, fmi2SetFMUstate and fmi2FreeFMUstate, 0 if the methods are to be called.
+    `directional` is that of fmi2GetDirectionalDerivative, 0 if the FMU gives none.
     """
 
     set: int
@@ -72,6 +73,7 @@ class Calls:
     save: int = 0
     restore: int = 0
     release: int = 0
+    directional: int = 0
 
 
 class Foreign:

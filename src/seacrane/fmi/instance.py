@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import hashlib
 from collections.abc import Sequence
 from ctypes import byref, c_size_t, c_void_p
 from types import TracebackType
@@ -73,6 +72,8 @@ class FmuInstance(Sensitivities):
                 names["derive"] = "SetRealInputDerivatives"
             if fmu.capabilities.saves_state:
                 names |= {"save": "GetFMUstate", "restore": "SetFMUstate", "release": "FreeFMUstate"}
+            if fmu.capabilities.directional_derivative:
+                names["directional"] = "GetDirectionalDerivative"
             self.calls = Calls(**{call: address(fmu.library.function(name)) for call, name in names.items()})
         else:
             self.handle = self._foreign.handle
@@ -126,7 +127,7 @@ class FmuInstance(Sensitivities):
         return Exchange(self.fmu.library, self._api, self._c.live, inner, signals)
 
     def _forbidden(self, v: Variable) -> Problem | None:
-        """Why a variable cannot be set now (FMI 2.0.4, section 2.2.7 and the state machines; FMI 3.0.1 alike)."""
+        """Why a variable cannot be set now (FMI 2.0, section 2.2.7 and the state machines; FMI 3.0 alike)."""
         if v.causality == "structuralParameter":
             return Problem(self.name, f"{v.name} sizes arrays, and changing it is not supported")
         allowed = "inputs, parameters, and variables whose initial is exact or approx"
@@ -230,14 +231,14 @@ class FmuInstance(Sensitivities):
             self._c.call(serialize, state, block, size)
         finally:
             self._c.library.function(free)(self._c.live, byref(state))
-        return self._signature + (self._foreign.save() if self._foreign is not None else b"") + block.raw
+        return (self._foreign.save() if self._foreign is not None else b"") + block.raw
 
     def restore(self, saved: bytes) -> None:
-        """Returns to a saved state. Raises `FmuError` if it is not one of this FMU in this kind, or the FMU refuses."""
+        """Returns to a saved state; `FmuError` with the FMU's reason if it is not one of this FMU in this kind."""
         _, set_, free, _, _, deserialize = self._state_functions()
-        signature, size = self._signature, self._foreign.saved_size if self._foreign is not None else 0
-        own, block = saved[len(signature) : len(signature) + size], saved[len(signature) + size :]
-        if not saved.startswith(signature) or len(own) < size or not block:
+        size = self._foreign.saved_size if self._foreign is not None else 0
+        own, block = saved[:size], saved[size:]
+        if not block:
             raise FmuError.at(self.name, "the saved state is not one of this FMU", value=f"{len(saved)} bytes")
         state = c_void_p()
         self._c.call(deserialize, block, len(block), byref(state))
@@ -288,12 +289,6 @@ class FmuInstance(Sensitivities):
             message = "the FMU can keep its state, but not give it away as bytes"
             raise FmuError.at(self.name, message, allowed="canSerializeFMUstate")
         return list(self._api.state)
-
-    @property
-    def _signature(self) -> bytes:
-        """What tells the states of this FMU from those of others."""
-        d = self.fmu.description
-        return hashlib.blake2b(f"{d.fmi_version} {d.guid} {self.fmu.exchange}".encode(), digest_size=8).digest()
 
     def _adapted(self, function: str, *arguments: Any) -> None:
         """Calls a function of the adapter, which calls several of the FMU."""

@@ -1,4 +1,4 @@
-"""The naming conventions for variables (FMI 2.0.4, section 2.2.9)."""
+"""The naming conventions for variables (FMI 2.0, section 2.2.9)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The platforms of FMI 2.0 and 3.0 and the names of their binaries (FMI 2.0.4, section 2.3; FMI 3.0.2, section 2.5)."""
+"""The platforms of FMI 2.0 and 3.0 and the names of their binaries (FMI 2.0, section 2.3; FMI 3.0, section 2.5)."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ def read_description(root: Element) -> ModelDescription:
 
 
 def is_version_3(version: str) -> bool:
-    """Whether this is FMI 3.0 or a version that is compatible with it (FMI 3.0.1, section 2.6)."""
+    """Whether this is FMI 3.0 or a version that is compatible with it (FMI 3.0, section 2.6)."""
     return re.fullmatch(r"3\.[0-9]+(\.[0-9]+)?(-.+)?", version, re.ASCII) is not None
 
 

@@ -132,7 +132,7 @@ def _variable(reader: Reader, element: Element, types: Mapping[str, Element]) ->
 
 
 def default_initial(causality: str, variability: str) -> str | None:
-    """What `initial` means if it is not given (FMI 2.0.4, section 2.2.7, table of causality and variability)."""
+    """What `initial` means if it is not given (FMI 2.0, section 2.2.7, table of causality and variability)."""
     if causality == "parameter" or variability == "constant":
         return "exact"
     if causality in ("calculatedParameter", "output", "local"):

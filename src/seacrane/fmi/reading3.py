@@ -150,7 +150,7 @@ def _variable(reader: Reader, element: Element, types: Mapping[str, Element]) ->
 
 
 def default_initial3(kind: str, causality: str, variability: str) -> str | None:
-    """What `initial` means if it is not given (FMI 3.0.1, section 2.4.7, table of causality and variability)."""
+    """What `initial` means if it is not given (FMI 3.0, section 2.4.7, table of causality and variability)."""
     if kind == "Clock" or causality == "independent":
         return None
     if causality in ("parameter", "structuralParameter", "input") or variability == "constant":

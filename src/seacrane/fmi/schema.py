@@ -1,6 +1,6 @@
 """Elements and attributes of modelDescription.xml: what may stand where.
 
-From the schemas of FMI 1.0 for Co-Simulation, FMI 2.0.4 (section 2.2) and FMI 3.0.1 (section 2.4).
+From the schemas of FMI 1.0 for Co-Simulation, FMI 2.0 (section 2.2) and FMI 3.0 (section 2.4).
 """
 
 from __future__ import annotations
@@ -238,7 +238,7 @@ _SECTIONS3: Final = {
     "2.2.1": "2.4.1", "2.2.2": "2.4.3", "2.2.7": "2.4.7", "2.2.8": "2.4.8", "2.2.9": "2.4.7", "2.3": "2.5",
     "4.3.1": "4.4",
 }  # fmt: skip
-"""Where FMI 3.0.1 has what is in this section of FMI 2.0.4."""
+"""Where FMI 3.0 has what is in this section of FMI 2.0."""
 
 
 def cited(section: str, version: str) -> str:
@@ -246,8 +246,8 @@ def cited(section: str, version: str) -> str:
     if version == "1.0":
         return CHAPTER1
     if version == "2.0":
-        return f"FMI 2.0.4, section {section}"
-    return f"FMI 3.0.1, section {_SECTIONS3[section]}"
+        return f"FMI 2.0, section {section}"
+    return f"FMI 3.0, section {_SECTIONS3[section]}"
 
 
 def structure_problems(element: Element, version: str) -> Iterator[Problem]:
@@ -255,9 +255,9 @@ def structure_problems(element: Element, version: str) -> Iterator[Problem]:
     if version == "1.0":
         yield from _problems(element, RULES1, CHAPTER1)
     elif version == "2.0":
-        yield from _problems(element, RULES, "FMI 2.0.4")
+        yield from _problems(element, RULES, "FMI 2.0")
     elif version.startswith("3."):
-        yield from _problems(element, RULES3, "FMI 3.0.1")
+        yield from _problems(element, RULES3, "FMI 3.0")
 
 
 def _problems(element: Element, rules: Mapping[str, Rule], standard: str) -> Iterator[Problem]:

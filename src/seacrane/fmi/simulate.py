@@ -15,6 +15,7 @@ from seacrane.fmi.description import REALS, ModelDescription, Variable
 from seacrane.fmi.fmu import Fmu, Kind
 from seacrane.fmi.instance import FmuInstance
 from seacrane.fmi.symbols import known_units, unit_symbol
+from seacrane.fmi.values import element_of
 from seacrane.results import Recording, Signal
 from seacrane.units import UNITS, compatible, convert, display
 
@@ -47,14 +48,18 @@ def run(
 ) -> Recording:
     """The outputs (or the variables asked for) of an FMU from its start time to `until` [s], a row each `step` [s].
 
+    A name is that of a scalar or of an element of an array, `x[2,3]`.
+
     `values` are set before it starts. `inputs` are set at the beginning of each step, interpolated, in their units;
     where the FMU can take their slopes (model exchange, or canInterpolateInputs) they go on as straight lines to the
     end of the step, and are held otherwise. A doubled time in them is a jump.
     Variables in a unit that is unknown here are recorded without one. `ParameterError` with all names that do not fit,
     `FmuError` if the FMU fails.
     """
-    if not (step > 0 and math.isfinite(until)):
-        raise ParameterError.at("step", "must be positive, and the end finite", value=step)
+    if not 0 < step < math.inf:
+        raise ParameterError.at("step", "must be a positive number of seconds", value=step)
+    if not math.isfinite(until):
+        raise ParameterError.at("until", "must be a finite number of seconds", value=until)
     with Fmu(path, kind) as fmu:
         d = fmu.description
         names = _outputs(d, outputs)
@@ -78,7 +83,7 @@ def run(
         units = known_units(d)
         signals = {}
         for i, name in enumerate(names):
-            v = d.by_name[name]
+            v = d.by_name[name] if name in d.by_name else instance.variable(name)
             unit = unit_symbol(v, units) or "1"
             shown = v.display_unit if v.display_unit in UNITS and compatible(unit, v.display_unit) else display(unit)
             signals[name] = Signal(unit, shown, table[:, i])
@@ -148,7 +153,8 @@ def _outputs(d: ModelDescription, asked: Sequence[str] | None) -> list[str]:
         if not found:
             raise ParameterError.at(d.model_name, "has no outputs that are numbers; name the variables to record")
         return found
-    unknown = [name for name in asked if name not in numbers]
+    elements = {n for n in asked if (e := element_of(n, d.by_name)) is not None and e[0].type not in _NO_NUMBERS}
+    unknown = [name for name in asked if name not in numbers and name not in elements]
     if unknown:
         raise ParameterError(Problem(n, "is no number that can be recorded", hint=nearest(n, numbers)) for n in unknown)
     return list(asked)

@@ -256,13 +256,12 @@ def _loose_ends(whole: Net) -> Iterator[Problem]:
 
 def _unknown_shared(whole: Net) -> Iterator[Problem]:
     """Shared values that no component knows. One that just these levels do not use is no fault."""
-    used = {n for c in whole.components.values() for n, (d, _) in type(c).declarations.items() if d.role == "shared"}
-    known = used | {n for c in REGISTRY for n, (d, _) in c.declarations.items() if d.role == "shared"}
+    known = {n for c in REGISTRY for n, (d, _) in c.declarations.items() if d.role == "shared"}
     for scope, values in whole.shared.items():
         for name in values:
             if name not in known:
                 place = ".".join(filter(None, (whole.name, scope, name)))
-                yield Problem(place, "is no shared parameter of any component", hint=nearest(name, used))
+                yield Problem(place, "is no shared parameter of any component", hint=nearest(name, known))
 
 
 def _power_node(flat: Flat, node: Node, across: dict[str, Any], through: dict[str, Any]) -> None:

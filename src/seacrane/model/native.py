@@ -24,6 +24,8 @@ from numpy.typing import ArrayLike, NDArray
 from seacrane.errors import ParameterError, Problem, SolveError, nearest
 from seacrane.model.codegen import Entry, Generated, generate
 from seacrane.model.dae import Dae, Variable
+from seacrane.model.failure import Stop, explained
+from seacrane.model.singular import Point
 from seacrane.native import build_library
 from seacrane.units import in_unit, with_unit
 
@@ -49,6 +51,8 @@ class Calls:
     restore: int = 0
     release: int = 0
     """Those of fmi2GetFMUstate, fmi2SetFMUstate and fmi2FreeFMUstate."""
+    directional: int = 0
+    """That of fmi2GetDirectionalDerivative."""
 
 
 @dataclass(frozen=True)
@@ -120,6 +124,7 @@ class NativeModel:
             "GetFMUstate",
             "SetFMUstate",
             "FreeFMUstate",
+            "GetDirectionalDerivative",
         )
         self.calls = Calls(*(_address(getattr(self.library, f"fmi2{name}")) for name in names))
 
@@ -149,6 +154,7 @@ class NativeInstance:
         self.calls = model.calls
         self._c = model.library
         self._references: dict[tuple[Reference, ...], Any] = {}
+        self._implicit = True
         self.handle: int = self._c.fmi2Instantiate(name.encode(), 1, model.guid.encode(), None, None, 0, 0)
         if not self.handle:
             raise SolveError.at(name, "could not be instantiated: not enough memory")
@@ -217,11 +223,28 @@ class NativeInstance:
     def step(self, time: float, size: float) -> None:
         """Advances from `time`, which must be the present time, by `size` [s], with the inputs held.
 
-        Raises `SolveError` if it cannot; the instance is then left at the last good point, `self.time`.
+        Raises `SolveError` if it cannot, with what stands out where it stopped; the instance is then left at the last
+        good point, `self.time`.
         """
         status = self._c.fmi2DoStep(self._live, time, size, 0)
         if status != OK:
-            raise self._failure(status)
+            failure = self._failure(status)
+            raise self.explained(failure) if status == DISCARD else failure
+
+    def explained(self, failure: SolveError) -> SolveError:
+        """The failure of a step with what stands out at the point where the instance stopped, and what to try."""
+        stop = Stop(self.point(), {}, False, self.get("solver.tolerance"), self._implicit)
+        return explained(failure, self.model.dae, stop)
+
+    def point(self) -> Point:
+        """Where the instance stands. Algebraic unknowns that have no solution there are told by their start values."""
+        dae = self.model.dae
+        x, u, p = (self.get([v.name for v in group]) for group in (dae.states, dae.inputs, dae.constants))
+        try:
+            z = self.get([v.name for v in dae.algebraics])
+        except SolveError:
+            z = np.array([v.start for v in dae.algebraics])
+        return Point(self.time, x, z, u, p)
 
     def set_derivatives(self, names: Reference | Sequence[Reference], values: ArrayLike, order: int = 1) -> None:
         """Time derivatives of inputs at the present time, for the next `step` alone: lines, or parabolas by `order` 2.
@@ -277,6 +300,7 @@ class NativeInstance:
         if order not in (0, 1, 4) or not (order == 0 or 0 < step < np.inf):
             raise SolveError.at(self.name, f"has no explicit method of order {order} and step {step:g} s")
         self._c.seacrane_explicit(self._live, order, step)
+        self._implicit = order == 0
 
     def save(self) -> bytes:
         """The complete state; `restore` brings it back bit for bit."""

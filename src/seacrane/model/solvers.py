@@ -75,21 +75,11 @@ class Task:
             try:
                 instance.initialize(float(self.times[0]))
             except SolveError as failure:
-                raise self.explained(failure, self.point(instance, float(self.times[0]))) from None
+                raise self.explained(failure, instance.point()) from None
         except BaseException:
             instance.close()
             raise
         return instance
-
-    def point(self, instance: NativeInstance, time: float) -> Point:
-        """Where the instance stands. Algebraic unknowns that have no solution there are told by their start values."""
-        dae = self.native.dae
-        x, u, p = (instance.get([v.name for v in group]) for group in (dae.states, dae.inputs, dae.constants))
-        try:
-            z = instance.get([v.name for v in dae.algebraics])
-        except SolveError:
-            z = np.array([v.start for v in dae.algebraics])
-        return Point(time, x, z, u, p)
 
     def explained(
         self, failure: SolveError, point: Point, *, implicit: bool = True, rows: Reals | None = None
@@ -153,7 +143,7 @@ class _InCore:
                 seen, latest = instance.events(seen)
                 events += latest
                 if error is not None:
-                    here, rows = task.point(instance, instance.time), np.concatenate(parts)
+                    here, rows = instance.point(), np.concatenate(parts)
                     error = task.explained(error, here, implicit=self.implicit, rows=rows)
                     break
                 task.progress(instance.time, float(task.times[-1]))

@@ -39,10 +39,11 @@ struct statistics {
     uint64_t steps, rejected, residuals, jacobians, factorizations;
 };
 
-#define DENSE_UP_TO 24 /* unknowns: below it, looking for zeros costs more than computing with them */
+#define DENSE_UP_TO 4 /* unknowns: below it, looking for zeros costs more than computing with them */
 
 struct factors { /* row i of L is value[lower[i]...upper[i]), of U without its diagonal value[upper[i]...lower[i + 1]) */
     int lower[ROOM(N) + 1], upper[ROOM(N)], column[ROOM(N) * ROOM(N)];
+    int row[ROOM(N)]; /* which equation has become row i */
     double value[ROOM(N) * ROOM(N)], reciprocal[ROOM(N)];
 };
 
@@ -120,8 +121,8 @@ int refresh(struct instance *m, uint32_t kinds);
 /* linear.c */
 int lu_factor(int n, double *a, int *pivot);
 void lu_solve(int n, const double *a, const int *pivot, double *b);
-void lu_compress(const double *a, struct factors *f);
-void lu_solve_compressed(const struct factors *f, const int *pivot, double *b);
+void lu_compress(const double *a, const int *pivot, const int *place, struct factors *f);
+void lu_solve_compressed(const struct factors *f, const double *b, double *x);
 
 /* newton.c, integrate.c */
 int solve_algebraic(struct instance *m);

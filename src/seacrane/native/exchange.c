@@ -5,15 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Weights of the samples of a source for a step of its target from `a` to `b`. With tau = 0 ... 1 over the step, the
- * polynomial through the samples is projected on what a slave takes: its mean where inputs are held, the straight line
- * of the same mean and first moment where they may change. */
-typedef struct {
-    int count;
-    double mean[MOST_SAMPLES], begin[MOST_SAMPLES], slope[MOST_SAMPLES], end[MOST_SAMPLES];
-} weights_t;
-
-static void weigh(const plan_t *p, const slave_t *from, double a, double b, weights_t *w) {
+void weigh(const plan_t *p, const slave_t *from, double a, double b, weights_t *w) {
     const double known = from->times[p->depth], length = b - a;
     double tau[MOST_SAMPLES];
     w->count = known > 1 ? (int)known : 1;

@@ -40,7 +40,16 @@ static const double DENSE[2][STAGES - 1] = {
 };
 static const double DELTA[STAGES] = {0.25, -0.1043, 0.1035, -0.0362000000000023, 0, 0};
 
-/* M/(h gamma) - df/dy, factored; 1 if singular. */
+static const char *name_of(int index)
+{
+    int kind = index < NX ? STATE : ALGEBRAIC;
+    for (int i = 0; i < NVARIABLES; i++)
+        if (model_variables[i].kind == kind && model_variables[i].index == (kind == STATE ? index : index - NX))
+            return model_variables[i].name;
+    return "";
+}
+
+/* M/(h gamma) - df/dy, factored; 1 if singular, which the message tells. */
 static int factor(struct instance *m, double reciprocal)
 {
     struct workspace *w = &m->work;
@@ -50,10 +59,13 @@ static int factor(struct instance *m, double reciprocal)
     for (int i = 0; i < NX; i++)
         w->matrix[model_place[i] * (N + 1)] += reciprocal;
     m->statistics.factorizations++;
-    if (lu_factor(N, w->matrix, w->pivot) != 0)
-        return 1;
+    int lost = lu_factor(N, w->matrix, w->pivot);
+    for (int i = 0; i < N && lost > 0; i++)
+        if (model_place[i] == lost - 1)
+            return fail(m, "the matrix of the solver is singular at t = %.9g s: nothing determines %s", m->state.time,
+                        name_of(i));
     if (N > DENSE_UP_TO)
-        lu_compress(w->matrix, &w->factors);
+        lu_compress(w->matrix, w->pivot, model_place, &w->factors);
     return 0;
 }
 
@@ -61,12 +73,13 @@ static int factor(struct instance *m, double reciprocal)
 static void solve(struct instance *m, double *b)
 {
     struct workspace *w = &m->work;
-    for (int i = 0; i < N; i++)
-        w->ordered[model_place[i]] = b[i];
-    if (N > DENSE_UP_TO)
-        lu_solve_compressed(&w->factors, w->pivot, w->ordered);
-    else
+    if (N > DENSE_UP_TO) {
+        lu_solve_compressed(&w->factors, b, w->ordered);
+    } else {
+        for (int i = 0; i < N; i++)
+            w->ordered[model_place[i]] = b[i];
         lu_solve(N, w->matrix, w->pivot, w->ordered);
+    }
     for (int i = 0; i < N; i++)
         b[i] = w->ordered[model_place[i]];
 }
@@ -185,15 +198,6 @@ static double error_norm(struct instance *m, int *culprit)
     return sqrt(sum / ROOM(N));
 }
 
-static const char *name_of(int index)
-{
-    int kind = index < NX ? STATE : ALGEBRAIC;
-    for (int i = 0; i < NVARIABLES; i++)
-        if (model_variables[i].kind == kind && model_variables[i].index == (kind == STATE ? index : index - NX))
-            return model_variables[i].name;
-    return "";
-}
-
 /* The first component of f that is not a finite number, or -1. */
 static int first_not_finite(const double *f)
 {
@@ -256,7 +260,7 @@ static int adaptive(struct instance *m, double end)
                 last &= share == 1;
                 h *= share;
                 if ((share < 1 && rodas_step(m, h) != 0) || (event = shorten_to_event(m, rodas_step, &h)) < 0)
-                    return fail(m, "the matrix of the solver is singular after t = %.9g s, on the way to an event", s->time);
+                    return 1;
                 if (h < whole)
                     s->next_step = fmin(s->next_step, whole);
             }
@@ -270,7 +274,7 @@ static int adaptive(struct instance *m, double end)
             rejected = 1;
             m->statistics.rejected++;
             if (s->next_step < least)
-                return singular ? fail(m, "the matrix of the solver is singular at t = %.9g s (step size %.3g s)", s->time, h)
+                return singular ? 1
                                 : fail(m,
                                        "the step size fell below %.3g s at t = %.9g s; %s could not be integrated to "
                                        "the tolerance %.3g",
@@ -291,7 +295,7 @@ static int euler_step(struct instance *m, double h)
     for (int j = 0; j < N; j++)
         w->trial[j] = w->f[j] + h * w->ft[j];
     if (factor(m, 1 / h) != 0)
-        return fail(m, "the matrix of the solver is singular at t = %.9g s (step size %.3g s)", t, h);
+        return 1;
     solve(m, w->trial);
     for (int j = 0; j < N; j++)
         w->trial[j] += m->state.y[j];

@@ -6,8 +6,11 @@
 #include <string.h>
 
 enum { NONE, FIXED_POINT, NEWTON };
-enum { VALID, FOR_STEP, JACOBIAN }; /* layout of plan.jacobian */
+enum { WHENCE, FOR_STEP, JACOBIAN }; /* layout of plan.jacobian */
+enum { NOWHERE, TOLD, DIFFERENCES }; /* whence a Jacobian comes */
 
+#define LEAST_FACTOR 0.1 /* bounds of a relaxation that changes, without which single directions lead it astray */
+#define MOST_FACTOR 1.0
 #define SLOW 0.25       /* a Jacobian that reduces the error by less than to this share is computed anew */
 #define DIFFERENCE 1e-4 /* of the larger of value and nominal: well above the errors of the slaves' own solvers */
 
@@ -24,7 +27,7 @@ static double compare(plan_t *p) {
     return worst;
 }
 
-/* Dynamic relaxation of Aitken: the factor with which the last two residuals would have cancelled. */
+/* Dynamic relaxation of Aitken: the factor with which the last two residuals would have cancelled, within bounds. */
 static double aitken(plan_t *p, double factor) {
     double product = 0, square = 0;
     for (int64_t i = 0; i < p->coupled_count; ++i) {
@@ -32,15 +35,45 @@ static double aitken(plan_t *p, double factor) {
         product += last * change;
         square += change * change;
     }
-    return square > 0 ? -factor * product / square : factor;
+    if (square == 0) return factor;
+    const double found = -factor * product / square;
+    return found < LEAST_FACTOR ? LEAST_FACTOR : found > MOST_FACTOR ? MOST_FACTOR : found;
 }
 
-/* dY/dz by differences: each slave that takes an output steps once more with it changed. */
-static int differentiate(plan_t *p, int64_t from, int64_t size) {
+/* What a slave tells of the derivatives of its outputs at the end of the step: all of dY/dz where it has no states. */
+static int ask(plan_t *p, int64_t i, int64_t from, int64_t size) {
+    const slave_t *s = p->slaves + i;
+    const connection_t *c = p->connections + s->first_connection;
+    const double one = 1;
+    for (int64_t m = 0; m < s->connection_count; ++m, ++c) {
+        int64_t j = 0;
+        while (p->coupled[j] != c->source) ++j;
+        if (!active(p, p->slaves + p->coupled_slave[j])) continue;
+        weights_t w;
+        weigh(p, p->slaves + c->from, (double)from, (double)(from + size), &w);
+        const double share = (s->derive ? w.end[0] : w.mean[0]) * c->gain;
+        const uint32_t *input = s->input_references + (c->target - s->first_input);
+        const int status =
+            s->directional(s->handle, s->output_references, (size_t)s->output_count, input, 1, &one, p->column);
+        if (status > 1 || status < 0) return fault(p, i, DERIVE, status, -1);
+        for (int64_t r = 0; r < p->coupled_count; ++r)
+            if (p->coupled_slave[r] == i) {
+                const double part = p->column[p->coupled[r] - s->first_output] * share;
+                p->jacobian[JACOBIAN + r * p->coupled_count + j] += part;
+            }
+    }
+    return DONE;
+}
+
+/* dY/dz by differences: each slave that takes an output steps once more with it changed. With `told`, slaves that give
+ * directional derivatives are asked instead. */
+static int differentiate(plan_t *p, int64_t from, int64_t size, int told) {
     const int64_t n = p->coupled_count;
     double *matrix = p->jacobian + JACOBIAN;
     memcpy(p->base, p->values, (size_t)p->output_count * sizeof(double));
     memset(matrix, 0, (size_t)(n * n) * sizeof(double));
+    for (int64_t i = 0; told && i < p->slave_count; ++i)
+        if (p->slaves[i].directional && active(p, p->slaves + i) && ask(p, i, from, size) != DONE) return FAULT;
     for (int64_t j = 0; j < n; ++j) {
         const int64_t k = p->coupled[j];
         if (!active(p, p->slaves + p->coupled_slave[j])) continue;
@@ -52,7 +85,7 @@ static int differentiate(plan_t *p, int64_t from, int64_t size) {
             const connection_t *c = p->connections + s->first_connection;
             int takes = 0;
             for (int64_t m = 0; m < s->connection_count; ++m) takes |= c[m].source == k;
-            if (!takes || !active(p, s)) continue;
+            if (!takes || !active(p, s) || (told && s->directional)) continue;
             if (restore_slave(p, i, STEP_START) != DONE) return FAULT;
             if (step_slave(p, s, from, size) != DONE) return fault(p, i, s->fault_stage, s->fault_status, s->fault_variable);
             for (int64_t m = 0; m < n; ++m)
@@ -63,7 +96,7 @@ static int differentiate(plan_t *p, int64_t from, int64_t size) {
     }
     p->sweeps += 1;
     memcpy(p->values, p->base, (size_t)p->output_count * sizeof(double));
-    p->jacobian[VALID] = 1;
+    p->jacobian[WHENCE] = told ? TOLD : DIFFERENCES;
     p->jacobian[FOR_STEP] = (double)size;
     return DONE;
 }
@@ -135,13 +168,16 @@ int iterate(plan_t *p, int64_t from, int64_t size) {
             }
         } else {
             const double known_for = p->jacobian[FOR_STEP];
-            const int fits = p->jacobian[VALID] && (double)size < 2 * known_for && (double)size > known_for / 2;
-            if (!fits || (!fresh && count > 1 && error > SLOW * last)) {
+            const int whence = (int)p->jacobian[WHENCE];
+            const int fits = whence && (double)size < 2 * known_for && (double)size > known_for / 2;
+            const int slow = !fresh && count > 1 && error > SLOW * last;
+            fresh = 0;
+            if (!fits || slow) { /* what slaves tell is tried until it has once proved not to be enough */
+                const int told = p->tells && whence != DIFFERENCES && !(fits && slow);
                 for (int64_t i = 0; i < n; ++i) p->samples[p->coupled[i]] = p->guess[i];
-                if (differentiate(p, from, size) != DONE) return FAULT;
-                fresh = 1;
-            } else
-                fresh = 0;
+                if (differentiate(p, from, size, told) != DONE) return FAULT;
+                fresh = !told;
+            }
             if (!solve(p)) return fault(p, -1, CONVERGE, 1, -1);
             for (int64_t i = 0; i < n; ++i) p->guess[i] += p->residual[i];
         }

@@ -7,7 +7,8 @@
 
 #include "core.h"
 
-/* Factors the row-major n x n matrix `a` in place; returns 1 if it is singular or not finite. */
+/* Factors the row-major n x n matrix `a` in place. If it is singular or not finite, returns the number of the column (from
+   one on) where that shows. */
 int lu_factor(int n, double *a, int *pivot)
 {
     int column[ROOM(N)];
@@ -23,7 +24,7 @@ int lu_factor(int n, double *a, int *pivot)
         }
         pivot[k] = best;
         if (!(largest > 0 && largest < HUGE_VAL))
-            return 1;
+            return k + 1;
         if (best != k) {
             for (int j = 0; j < n; j++) {
                 double swap = a[best * n + j];
@@ -75,10 +76,18 @@ void lu_solve(int n, const double *a, const int *pivot, double *b)
     }
 }
 
-/* Lists what is not zero in the N x N factors, for solving many times. */
-void lu_compress(const double *a, struct factors *f)
+/* Lists what is not zero in the N x N factors, for solving many times. Row `place[i]` was equation i before rows were
+   exchanged. */
+void lu_compress(const double *a, const int *pivot, const int *place, struct factors *f)
 {
     int next = 0;
+    for (int i = 0; i < N; i++)
+        f->row[place[i]] = i;
+    for (int k = 0; k < N; k++) {
+        int swap = f->row[k];
+        f->row[k] = f->row[pivot[k]];
+        f->row[pivot[k]] = swap;
+    }
     for (int i = 0; i < N; i++) {
         f->lower[i] = next;
         for (int j = 0; j < i; j++)
@@ -97,24 +106,19 @@ void lu_compress(const double *a, struct factors *f)
     f->lower[N] = next;
 }
 
-/* As lu_solve, with the listed factors. */
-void lu_solve_compressed(const struct factors *f, const int *pivot, double *b)
+/* Solves with the listed factors: `b` in the order of equations, `x` in the order of elimination. */
+void lu_solve_compressed(const struct factors *f, const double *b, double *x)
 {
-    for (int k = 0; k < N; k++) {
-        double swap = b[k];
-        b[k] = b[pivot[k]];
-        b[pivot[k]] = swap;
-    }
-    for (int i = 1; i < N; i++) {
-        double sum = b[i];
+    for (int i = 0; i < N; i++) {
+        double sum = b[f->row[i]];
         for (int e = f->lower[i]; e < f->upper[i]; e++)
-            sum -= f->value[e] * b[f->column[e]];
-        b[i] = sum;
+            sum -= f->value[e] * x[f->column[e]];
+        x[i] = sum;
     }
     for (int i = N - 1; i >= 0; i--) {
-        double sum = b[i];
+        double sum = x[i];
         for (int e = f->upper[i]; e < f->lower[i + 1]; e++)
-            sum -= f->value[e] * b[f->column[e]];
-        b[i] = sum * f->reciprocal[i];
+            sum -= f->value[e] * x[f->column[e]];
+        x[i] = sum * f->reciprocal[i];
     }
 }

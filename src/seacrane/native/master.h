@@ -19,6 +19,7 @@ typedef int (*set_function)(void *, const uint32_t *, size_t, const double *);
 typedef int (*get_function)(void *, const uint32_t *, size_t, double *);
 typedef int (*step_function)(void *, double, double, int);
 typedef int (*derive_function)(void *, const uint32_t *, size_t, const int32_t *, const double *);
+typedef int (*directional_function)(void *, const uint32_t *, size_t, const uint32_t *, size_t, const double *, double *);
 typedef int (*save_function)(void *, void **);
 typedef int (*restore_function)(void *, void *);
 typedef int (*callback_function)(void *, double, double);
@@ -31,6 +32,7 @@ typedef struct {
     step_function step;
     get_function get;
     derive_function derive; /* null where inputs are held, and where nothing is extrapolated */
+    directional_function directional; /* null where a slave does not give them */
     save_function save, release;
     restore_function restore;
     callback_function callback; /* used instead of set, step and get where it is not null */
@@ -130,13 +132,13 @@ typedef struct plan {
     double *samples;
     double *signals; /* MACRO_STEP ... */
     /* iteration: 0 none, 1 fixed point, 2 Newton */
-    int64_t iteration, aitken, most, coupled_count;
+    int64_t iteration, aitken, most, tells, coupled_count; /* tells: some slave gives directional derivatives */
     double relaxation, tolerance;
     const int64_t *coupled; /* indices of the outputs that are connected */
     const int64_t *coupled_slave;
     const double *nominal; /* of all outputs */
-    double *jacobian;      /* of the coupled outputs to themselves over a macro step, before it whether and for which step */
-    double *guess, *residual, *before, *scale, *base, *matrix; /* scratch */
+    double *jacobian;      /* of the coupled outputs to themselves over a macro step, before it whence and for which step */
+    double *guess, *residual, *before, *scale, *base, *matrix, *column; /* scratch */
     /* step size control: 0 none, 1 power at the bonds, 2 step doubling */
     int64_t control, smallest_ns;
     double control_tolerance, safety, power;
@@ -149,11 +151,20 @@ typedef struct plan {
 } plan_t;
 
 enum { DONE, ROWS_FULL, FAULT, STOPPED };
-enum { SET, STEP, GET, FINITE, WATCH, SAVE, RESTORE, CONVERGE };
+enum { SET, STEP, GET, FINITE, WATCH, SAVE, RESTORE, CONVERGE, DERIVE };
 
 int fault(plan_t *p, int64_t slave, int64_t stage, int64_t status, int64_t variable);
 
+/* Weights of the samples of a source for a step of its target from `a` to `b`. With tau = 0 ... 1 over the step, the
+ * polynomial through the samples is projected on what a slave takes: its mean where inputs are held, the straight line
+ * of the same mean and first moment where they may change. */
+typedef struct {
+    int count;
+    double mean[MOST_SAMPLES], begin[MOST_SAMPLES], slope[MOST_SAMPLES], end[MOST_SAMPLES];
+} weights_t;
+
 /* exchange.c */
+void weigh(const plan_t *p, const slave_t *from, double a, double b, weights_t *w);
 int active(const plan_t *p, const slave_t *s);
 void transfer(plan_t *p, const slave_t *s, int64_t from, int64_t to);
 int step_slave(plan_t *p, slave_t *s, int64_t from, int64_t size);

@@ -6,7 +6,7 @@ import json
 import math
 import time
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -40,7 +40,7 @@ TICK = 0.02
 
 @dataclass(frozen=True)
 class Settings:
-    """What the demo shows. load [kg]; hs [m] and tp [s] of the sea; step: macro step [s]."""
+    """What the demo shows. load [kg]; hs [m] and tp [s] of the sea; step: macro step [s]; posture by joint [rad]."""
 
     crane: str = "offshore-100t"
     load: Mass = 40e3
@@ -48,6 +48,7 @@ class Settings:
     hs: Length = 2.0
     tp: Time = 9.0
     step: Time = 0.002
+    posture: Mapping[str, float] = field(default_factory=lambda: dict(plant.POSTURE))
 
     def __post_init__(self) -> None:
         bounds = {
@@ -94,7 +95,7 @@ class Demo:
         self.crane = design.load(self.settings.crane)
         self.waves, ship = _sea(self.settings)
         self.system: System = plant.build(
-            self.crane, vessel=ship, start=plant.Start(plant.POSTURE, load=self.settings.load)
+            self.crane, vessel=ship, start=plant.Start(self.settings.posture, load=self.settings.load)
         )
         self.execution = Execution(self.system, GaussSeidel(step=self.settings.step))
 

@@ -13,13 +13,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import inf
 
 from seacrane import fmi
 from seacrane.control import Joystick
 from seacrane.control.joystick import Axis
 from seacrane.cosim import FmuSlave, FunctionSlave, ModelSlave, System
 from seacrane.design import Crane, Cylinder, Slew, geometry
-from seacrane.errors import StructureError
+from seacrane.errors import ParameterError, Problem, StructureError, nearest
 from seacrane.model import Dae, Diagram
 from seacrane.multibody import Equilibrium, crane_mechanics, static_equilibrium
 from seacrane.units import Length, Mass, deg
@@ -47,8 +48,24 @@ class Start:
     hanging: Length = 14.0
 
     def joints(self, crane: Crane) -> list[float]:
-        """The posture in the order of the crane's joints."""
-        return [self.posture.get(link.joint.name, 0.0) for link in crane.links]
+        """The posture in the order of the crane's joints; `ParameterError` with all that the crane cannot take."""
+        known = {joint.name: joint.limits for joint in crane.joints}
+        problems = [
+            Problem(f"posture.{name}", "is not a joint of the crane", hint=nearest(name, known))
+            for name in self.posture
+            if name not in known
+        ]
+        for name, limits in known.items():
+            value = self.posture.get(name, 0.0)
+            low, high = limits or (-inf, inf)
+            if not low - 1e-9 <= value <= high + 1e-9:
+                allowed = f"{low / deg:.4g} to {high / deg:.4g} deg"
+                problems.append(
+                    Problem(f"posture.{name}", f"{value / deg:.4g} deg is beyond its limits", None, allowed)
+                )
+        if problems:
+            raise ParameterError(problems)
+        return [self.posture.get(name, 0.0) for name in known]
 
 
 def build(

@@ -10,15 +10,13 @@ from __future__ import annotations
 import ipaddress
 import socket
 from http.cookies import CookieError, SimpleCookie
-from typing import Final
+from typing import Final, Protocol
 from urllib.parse import parse_qs, urlencode, urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import PlainTextResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket
-
-from seacrane.server.service import Service
 
 UNAUTHENTICATED: Final = 4401
 """WebSocket close code: the token is missing or wrong."""
@@ -53,6 +51,13 @@ _NO_TOKEN: Final = (
 )
 
 
+class Lock(Protocol):
+    """What knows the token."""
+
+    def accepts_token(self, token: str | None) -> bool:
+        """Whether this is the token; takes the same time for every wrong one."""
+
+
 def is_loopback(host: str) -> bool:
     """Whether this address can be reached from this machine only."""
     if host == "localhost":
@@ -66,9 +71,9 @@ def is_loopback(host: str) -> bool:
 class Guard:
     """ASGI middleware: Host, Origin, token; and security headers on every answer."""
 
-    def __init__(self, app: ASGIApp, service: Service, host: str, port: int) -> None:
+    def __init__(self, app: ASGIApp, lock: Lock, host: str, port: int) -> None:
         self._app = app
-        self._service = service
+        self._lock = lock
         self._cookie = f"seacrane-{port}"
         self._open = not is_loopback(host)
         self._names = _LOOPBACK_NAMES | {host} | ({socket.gethostname(), socket.getfqdn()} if self._open else set())
@@ -111,12 +116,12 @@ class Guard:
             return PlainTextResponse(f"Pages from {origin!r} may not use this server.\n", 403)
         query = parse_qs(scope["query_string"].decode("latin-1"), keep_blank_values=True)
         asked = query.get("token", [None])[0]
-        if asked is not None and self._service.accepts_token(asked):
+        if asked is not None and self._lock.accepts_token(asked):
             return self._welcome(scope, query)
         kind, _, bearer = headers.get("authorization", "").partition(" ")
-        if kind.lower() == "bearer" and self._service.accepts_token(bearer.strip()):
+        if kind.lower() == "bearer" and self._lock.accepts_token(bearer.strip()):
             return None
-        if self._service.accepts_token(self._cookie_of(headers)):
+        if self._lock.accepts_token(self._cookie_of(headers)):
             return None
         return PlainTextResponse(_NO_TOKEN, 401, headers={"www-authenticate": "Bearer"})
 

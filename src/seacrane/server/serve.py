@@ -29,6 +29,68 @@ _GRACE: Final = 1
 _log = logging.getLogger(__name__)
 
 
+class Listener:
+    """The HTTP side of a server in the running event loop: a port, and the application that answers there."""
+
+    def __init__(self, host: str, port: int, *, allow_remote: bool = False) -> None:
+        """`ServerError` for an address that other machines can reach, unless that is allowed. Port 0: any free one."""
+        if not is_loopback(host) and not allow_remote:
+            raise ServerError.at(
+                "host",
+                f"{host!r} can be reached from other machines, and the connection is not encrypted",
+                allowed="127.0.0.1, ::1, localhost",
+                hint="Allow it (--allow-remote) if everyone on that network may see the token.",
+            )
+        self.host, self.port = host, port
+        self._socket: socket.socket | None = None
+        self._http: _Uvicorn | None = None
+        self._task: asyncio.Task[None] | None = None
+
+    def listen(self) -> None:
+        """Take the port for good; who connects now is served once `serve` has been called."""
+        self._socket = listen(self.host, self.port)
+        self.port = self._socket.getsockname()[1]
+
+    async def serve(self, application: object) -> None:
+        """Answer with the application from now on."""
+        self._http = _Uvicorn(_config(application))
+        self._task = asyncio.create_task(self._http.serve([self._socket] if self._socket else None))
+        while not self._http.started:
+            await asyncio.sleep(0.005)
+
+    @property
+    def address(self) -> str:
+        """Where the page is."""
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return f"http://{host}:{self.port}/"
+
+    async def stop(self) -> None:
+        """End all connections and give the port back. Harmless if that has happened."""
+        if self._http is not None and self._task is not None:
+            self._http.should_exit = True
+            await asyncio.wait([self._task], timeout=3 * _GRACE)
+            self._task.cancel()
+            await asyncio.gather(self._task, return_exceptions=True)
+            self._http = self._task = None
+        if self._socket is not None:
+            self._socket.close()
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """A socket that listens at this address; `ServerError` with the reason if it cannot be had."""
+    listener = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET, socket.SOCK_STREAM)
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listener.bind((host, port))
+        listener.listen(128)
+    except OSError as error:
+        listener.close()
+        message, hint = _why(error)
+        raise ServerError.at(f"port {port}", message, hint=hint) from None
+    listener.setblocking(False)
+    return listener
+
+
 class Server:
     """A simulation and its server in the running event loop: `await start()`, `await stop()`.
 
@@ -46,40 +108,29 @@ class Server:
         allow_remote: bool = False,
         page: Path = app.PAGE,
     ) -> None:
-        if not is_loopback(host) and not allow_remote:
-            raise ServerError.at(
-                "host",
-                f"{host!r} can be reached from other machines, and the connection is not encrypted",
-                allowed="127.0.0.1, ::1, localhost",
-                hint="Allow it (--allow-remote) if everyone on that network may see the token.",
-            )
+        self._listener = Listener(host, port, allow_remote=allow_remote)
         self.host = host
         self.token = token or secrets.token_urlsafe(24)
         self.simulation = SimulationProcess(factory)
         self.service = Service(self.simulation, self.token)
-        self._ports = (port, tcp_port)
+        self.tcp_port = tcp_port
         self._page = page
-        self._listeners: list[socket.socket] = []
-        self._tasks: list[asyncio.Task[None]] = []
-        self._http: _Uvicorn | None = None
+        self._housekeeping: asyncio.Task[None] | None = None
+        self._tcp_socket: socket.socket | None = None
         self._tcp: asyncio.Server | None = None
 
     async def start(self) -> None:
         """Take the ports, build the simulation, serve; `ServerError` with nothing left running if any of it fails."""
         try:
-            port, tcp_port = self._ports
-            http_listener = self._listen(port)
-            tcp_listener = None if tcp_port is None else self._listen(tcp_port)
-            self.port: int = http_listener.getsockname()[1]
-            self.tcp_port: int | None = None if tcp_listener is None else tcp_listener.getsockname()[1]
+            self._listener.listen()
+            if self.tcp_port is not None:
+                self._tcp_socket = listen(self.host, self.tcp_port)
+                self.tcp_port = self._tcp_socket.getsockname()[1]
             await self.simulation.start()
-            self._http = _Uvicorn(_config(app.create(self.service, self.host, self.port, self._page)))
-            self._tasks.append(asyncio.create_task(self._http.serve([http_listener])))
-            self._tasks.append(asyncio.create_task(self.service.housekeeping()))
-            if tcp_listener is not None:
-                self._tcp = await tcp.listen(self.service, tcp_listener)
-            while not self._http.started:
-                await asyncio.sleep(0.005)
+            self._housekeeping = asyncio.create_task(self.service.housekeeping())
+            if self._tcp_socket is not None:
+                self._tcp = await tcp.listen(self.service, self._tcp_socket)
+            await self._listener.serve(app.create(self.service, self.host, self.port, self._page))
         except BaseException:
             await self.stop()
             raise
@@ -87,8 +138,12 @@ class Server:
     @property
     def address(self) -> str:
         """Where the page is."""
-        host = f"[{self.host}]" if ":" in self.host else self.host
-        return f"http://{host}:{self.port}/"
+        return self._listener.address
+
+    @property
+    def port(self) -> int:
+        """Of the page."""
+        return self._listener.port
 
     @property
     def address_with_token(self) -> str:
@@ -101,31 +156,14 @@ class Server:
             client.abort()
         if self._tcp is not None:
             self._tcp.close()
-        if self._http is not None:
-            self._http.should_exit = True
-            await asyncio.wait(self._tasks[:1], timeout=3 * _GRACE)
-        for task in self._tasks:
-            task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
-        self._tasks.clear()
-        for listener in self._listeners:
-            listener.close()
+        await self._listener.stop()
+        if self._housekeeping is not None:
+            self._housekeeping.cancel()
+            await asyncio.gather(self._housekeeping, return_exceptions=True)
+            self._housekeeping = None
+        if self._tcp_socket is not None:
+            self._tcp_socket.close()
         await self.simulation.stop()
-
-    def _listen(self, port: int) -> socket.socket:
-        family = socket.AF_INET6 if ":" in self.host else socket.AF_INET
-        listener = socket.socket(family, socket.SOCK_STREAM)
-        self._listeners.append(listener)
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            listener.bind((self.host, port))
-            # Listening takes the port for good; clients that connect now are served once the simulation is built.
-            listener.listen(128)
-        except OSError as error:
-            message, hint = _why(error)
-            raise ServerError.at(f"port {port}", message, hint=hint) from None
-        listener.setblocking(False)
-        return listener
 
 
 def serve(

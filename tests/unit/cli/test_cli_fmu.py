@@ -60,3 +60,14 @@ def test_what_cannot_be_exported_is_refused_and_nothing_is_written(
         with pytest.raises(SystemExit):
             main(["fmu", "export", str(BOOM_DRIVE), *wrong])
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_plot_of_a_kind_that_cannot_be_drawn_is_refused_and_none_is_left(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "boom.fmu"
+    main(["fmu", "export", str(BOOM_DRIVE), "--out", str(out)])
+    command = ["fmu", "run", str(out), "--until", "0.1", "--plot", str(tmp_path / "boom.xyz")]
+    assert main(command) == 2
+    assert "boom.xyz: cannot be drawn: Format 'xyz' is not supported" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["boom.fmu"]

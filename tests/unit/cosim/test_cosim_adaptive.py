@@ -153,6 +153,9 @@ def test_power_residual_needs_a_bond():
 @pytest.mark.parametrize(
     ("make", "said"),
     [
+        (lambda: Adaptive(Adaptive(GaussSeidel(0.1))), "base: is no algorithm that goes inside"),
+        (lambda: Iterative(Iterative(GaussSeidel(0.1))), "allowed: Jacobi, GaussSeidel. From the inside out"),
+        (lambda: Adaptive(0.1), r"base: is no algorithm that goes inside \(got 0\.1\)"),
         (lambda: Adaptive(GaussSeidel(0.1), smallest=0.2), r"smallest: is above the greatest step \(got 0\.2\)"),
         (lambda: Adaptive(GaussSeidel(0.1), smallest=0.0), "smallest: is not a duration"),
         (lambda: Adaptive(GaussSeidel(0.1), safety=1.5), "safety: is no share"),

@@ -3,10 +3,20 @@ import zipfile
 
 import numpy as np
 import pytest
-from oscillators import FORCE, ONE, POSITION, START_ONE, START_TWO, TWO, VELOCITY, dae, models, system
+from oscillators import FORCE, ONE, POSITION, START_ONE, START_TWO, TWO, VELOCITY, dae, exact, models, system
 
 from seacrane import fmi
-from seacrane.cosim import Execution, FmuSlave, GaussSeidel, Jacobi, System
+from seacrane.cosim import (
+    Adaptive,
+    Execution,
+    FmuSlave,
+    GaussSeidel,
+    Iterative,
+    Jacobi,
+    Newton,
+    StepDoubling,
+    System,
+)
 from seacrane.errors import CosimError, FmuError, ParameterError
 
 
@@ -16,6 +26,15 @@ def files(tmp_path_factory):
     one = dae("one", ONE, START_ONE, [FORCE], [VELOCITY, POSITION])
     two = dae("two", TWO, START_TWO, [VELOCITY], [FORCE])
     return tuple(fmi.export(d, folder / f"{d.name}.fmu") for d in (one, two))
+
+
+@pytest.fixture(scope="module")
+def exported(files, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("fmi3")
+    one = dae("one", ONE, START_ONE, [FORCE], [VELOCITY, POSITION])
+    two = dae("two", TWO, START_TWO, [VELOCITY], [FORCE])
+    newer = tuple(fmi.export(d, folder / f"{d.name}.fmu", version="3.0") for d in (one, two))
+    return {"2.0": files, "3.0": newer}
 
 
 def slaves(files):
@@ -35,6 +54,27 @@ def test_fmus_give_the_same_bits_in_both_loops_and_as_the_models_they_were_expor
             tables.append(np.column_stack([recording[name] for name in recording]))
     assert np.array_equal(tables[0], tables[1])
     assert np.array_equal(tables[0], tables[2])
+
+
+@pytest.mark.parametrize(
+    "algorithm",
+    [
+        GaussSeidel(0.01, "derived", extrapolation="quadratic"),
+        Iterative(GaussSeidel(0.01, extrapolation="linear"), Newton(), tolerance=1e-9),
+        Adaptive(Jacobi(0.02), StepDoubling(1e-2)),
+    ],
+    ids=["extrapolated", "newton", "doubling"],
+)
+@pytest.mark.parametrize(("version", "kind"), [("2.0", "co-simulation"), ("2.0", "model-exchange"), ("3.0", None)])
+def test_fmus_of_all_kinds_can_be_extrapolated_to_and_brought_back(exported, version, kind, algorithm):
+    tables = []
+    for loop in ("c", "python"):
+        joined = system(tuple(FmuSlave(file, kind=kind, tolerance=1e-9) for file in exported[version]))
+        with Execution(joined, algorithm, loop=loop) as run:
+            recording = run.run(0.4)
+            tables.append(recording["one.position"])
+    assert np.array_equal(*tables)
+    assert np.abs(tables[0] - exact(recording.time)).max() < 3e-3
 
 
 def test_an_fmu_is_read_with_units_start_values_and_internal_variables(files):

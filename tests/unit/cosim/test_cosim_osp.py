@@ -1,5 +1,6 @@
 """OspSystemStructure.xml: what is read, what is refused, and the platform's own results."""
 
+import zipfile
 from pathlib import Path
 
 import casadi as ca
@@ -175,6 +176,42 @@ def test_connections_of_one_power_bond_name_are_a_bond(fmus: Path) -> None:
     assert system.notes == (
         "rod: is no power bond, for that takes an effort and a flow back in their units; it is connected",
     )
+
+
+def test_a_port_of_several_directions_is_a_bond_in_each(tmp_path: Path) -> None:
+    def variables(causality: str, *names: str) -> str:
+        start = ' start="0"' if causality == "input" else ""
+        unit = {"f": "N", "v": "m/s"}
+        return "".join(
+            f'<ScalarVariable name="{n}" valueReference="{ord(n[0]) * 10 + int(n[1])}" causality="{causality}">'
+            f'<Real unit="{unit[n[0]]}"{start}/></ScalarVariable>'
+            for n in names
+        )
+
+    units = '<Unit name="N"><BaseUnit kg="1" m="1" s="-2"/></Unit><Unit name="m/s"><BaseUnit m="1" s="-1"/></Unit>'
+    for name, effort, flow in (("push", "output", "input"), ("pull", "input", "output")):
+        with zipfile.ZipFile(tmp_path / f"{name}.fmu", "w") as archive:
+            archive.writestr(
+                "modelDescription.xml",
+                f'<fmiModelDescription fmiVersion="2.0" modelName="{name}" guid="1">'
+                f'<CoSimulation modelIdentifier="{name}"/><UnitDefinitions>{units}</UnitDefinitions><ModelVariables>'
+                f"{variables(effort, 'f1', 'f2')}{variables(flow, 'v1', 'v2')}</ModelVariables><ModelStructure/>"
+                "</fmiModelDescription>",
+            )
+        (tmp_path / f"{name}_OspModelDescription.xml").write_text(
+            '<OspModelDescription version="1.0"><VariableGroups><LinearMechanicalPort name="end">'
+            '<LinearVelocity name="ve"><Variable ref="v1"/><Variable ref="v2"/></LinearVelocity>'
+            '<Force name="fo"><Variable ref="f1"/><Variable ref="f2"/></Force>'
+            "</LinearMechanicalPort></VariableGroups></OspModelDescription>"
+        )
+    simulators = "".join(f'<Simulator name="{n}" source="../{n}.fmu"/>' for n in ("push", "pull"))
+    file = structure(
+        tmp_path, simulators, PORTS.replace("one", "push").replace("two", "pull").replace("rod port", "end")
+    )
+    assert read_osp(file).bonds == {
+        f"push_end_{i}": Bond(f"push_end_{i}", (f"push.f{i}", f"pull.f{i}"), (f"pull.v{i}", f"push.v{i}"))
+        for i in (1, 2)
+    }
 
 
 def test_steps_of_simulators_and_unknown_algorithms_are_kept_for_who_runs_it(fmus: Path) -> None:

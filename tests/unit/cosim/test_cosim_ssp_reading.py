@@ -307,6 +307,17 @@ def test_a_signal_dictionary_is_a_bus_through_all_levels_below_it(folder: Path, 
         assert felt == pytest.approx(force, rel=0.2)
 
 
+def test_a_system_that_is_used_twice_has_the_dictionary_of_each_place(folder: Path) -> None:
+    holder = f'<ssd:SignalDictionaries><ssd:SignalDictionary name="can">{DICTIONARY}</ssd:SignalDictionary>'
+    half = system(component("m", "mass.fmu") + REFERENCE, link("bus.F", "m.force"), name="x", attributes='id="X"')
+    top = system(
+        component("spring", "spring.fmu") + REFERENCE + half + component("y", "#X"),
+        link("spring.force", "bus.F"),
+        after=f"{holder}</ssd:SignalDictionaries>",
+    )
+    assert {c.target for c in read(folder, document(top)).connections} == {"x.m.force", "y.m.force"}
+
+
 def test_what_is_wrong_with_a_dictionary_is_told(folder: Path) -> None:
     top = system(component("spring", "spring.fmu") + REFERENCE, link("spring.force", "bus.F"))
     assert problems(folder, document(top)) == ["SystemStructure.ssd:1: there is no signal dictionary 'can'"]

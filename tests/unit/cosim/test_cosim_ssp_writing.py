@@ -135,6 +135,16 @@ def test_fmpy_reads_the_archive_by_its_schema_and_simulates_it_alike(coupled_fmu
     np.testing.assert_allclose(result["half.mass.velocity"], ours[:, 1], rtol=1e-9, atol=1e-9)
 
 
+def test_everything_that_a_system_can_have_keeps_to_the_schema(coupled_fmus, tmp_path) -> None:
+    description = read_ssd(str(write_ssp(everything(coupled_fmus), tmp_path / "all.ssp")))
+    inner = next(e for e in description.system.elements if e.name == "a")
+    assert [(d.name, [e.name for e in d.entries]) for d in inner.signalDictionaries] == [
+        ("signals", ["bus"]),
+        ("can", ["v"]),
+    ]
+    assert {e.name for e in inner.elements} == {"one", "two", "signals", "can"}
+
+
 def test_libcosim_runs_the_archive_with_parameters_and_gains_alike(coupled_fmus, tmp_path) -> None:
     system = System(
         "flat",

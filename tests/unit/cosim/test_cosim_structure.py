@@ -116,6 +116,17 @@ def test_a_sub_system_is_a_part_with_connectors_and_its_variables_keep_their_pat
     assert system.split("sub.second.gy") == ("sub.second", "gy")
 
 
+def test_a_system_that_was_added_is_taken_as_it_stood_then() -> None:
+    part = inner()
+    whole = System("whole", {"sub": part})
+    part.connect("first.gz", "second.fz")
+    taken = whole.level.parts["sub"]
+    assert isinstance(taken, System)
+    assert "sub.second.fz" in whole.open_inputs
+    assert "second.fz" in taken.open_inputs
+    assert "second.fz" not in part.open_inputs
+
+
 def test_systems_nest_to_any_depth():
     whole = System("whole", {"deep": nested(), "sink": SINK})
     whole.connect("deep.sub.sum", "sink.fx")

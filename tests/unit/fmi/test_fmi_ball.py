@@ -11,6 +11,7 @@ import pytest
 from balls import KINDS, G, height
 
 from seacrane import fmi
+from seacrane.cli import main
 from seacrane.cosim import Execution, FmuSlave, GaussSeidel, System
 from seacrane.errors import CosimError, FmuError
 
@@ -225,3 +226,14 @@ def test_a_state_that_cannot_leave_the_fmu_says_so(balls: dict[str, Path], tmp_p
         one.initialize()
         with pytest.raises(FmuError, match="one: the FMU can keep its state, but not give it away as bytes"):
             one.save()
+
+
+def test_elements_of_arrays_are_set_and_recorded_from_the_command_line(
+    balls: dict[str, Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    settings = ["--until", "0.1", "--set", "grid[2,1]=7", "--output", "grid[1,2],grid[2,1],h"]
+    assert main(["fmu", "run", str(balls["3"]), *settings]) == 0
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()[2:]]
+    assert [row[:2] for row in rows] == [["grid[1,2]", "1"], ["grid[2,1]", "7"], ["h", f"{height(0.1):.6g}"]]
+    assert main(["fmu", "run", str(balls["3"]), "--until", "0.1", "--output", "grid[3,1]"]) == 2
+    assert "grid[3,1]: is no number that can be recorded" in capsys.readouterr().err

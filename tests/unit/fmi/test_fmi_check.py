@@ -52,7 +52,7 @@ def test_a_sound_description_has_no_findings(fmu_of: Callable[..., Path]) -> Non
 
 
 BROKEN = {
-    "unique name": ('name="area"', 'name="inlet"', "inlet: is the name of 2 variables. FMI 2.0.4, section 2.2.7"),
+    "unique name": ('name="area"', 'name="inlet"', "inlet: is the name of 2 variables. FMI 2.0, section 2.2.7"),
     "naming": ('name="area"', 'name="area of tank"', "does not keep the structured naming convention"),
     "start of an input": ('<Real start="0"/>', "<Real/>", "inlet: has no start value"),
     "start of what is exact": ('displayUnit="mm" start="1"', 'displayUnit="mm"', "level: has no start value"),

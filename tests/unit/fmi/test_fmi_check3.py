@@ -97,7 +97,7 @@ def test_types_shapes_start_values_and_references_are_read(fmu_of: Callable[...,
 
 
 BROKEN = {
-    "unique name": ('name="label"', 'name="inlet"', "inlet: is the name of 2 variables. FMI 3.0.1, section 2.4.7"),
+    "unique name": ('name="label"', 'name="inlet"', "inlet: is the name of 2 variables. FMI 3.0, section 2.4.7"),
     "naming": ('name="label"', 'name="label of tank"', "does not keep the structured naming convention"),
     "start of an input": ('causality="input" start="0"', 'causality="input"', "inlet: has no start value"),
     "start of what is calculated": (

@@ -110,6 +110,10 @@ def test_names_that_do_not_fit_are_told_at_once(piston_fmu: Path) -> None:
         fmi.run(piston_fmu, 1.0, 0.1, inputs=Recording(np.zeros(1), {"force": Signal("N", "N", np.zeros(1))}))
     with pytest.raises(ParameterError, match="must be at least a step after the start"):
         fmi.run(piston_fmu, 0.0, 0.1)
+    with pytest.raises(ParameterError, match="step: must be a positive number of seconds"):
+        fmi.run(piston_fmu, 1.0, 0.0)
+    with pytest.raises(ParameterError, match="until: must be a finite number of seconds"):
+        fmi.run(piston_fmu, float("nan"), 0.1)
     area = fmi.read(piston_fmu).by_name["area"]
     with pytest.raises(FmuError, match="area: is Real and cannot take this value"):
         fmi.parse(area, "wide")

@@ -98,3 +98,13 @@ def test_the_atmosphere_is_shared_and_gas_feels_it(law) -> None:
 
     assert pressure(1.01325 * bar) == pytest.approx((101.01325 / 0.8 - 1.01325) * bar)
     assert pressure(100 * bar) == pytest.approx((200 / 0.8 - 100) * bar)
+
+
+def test_a_diagram_may_be_given_all_of_the_oil_though_its_components_use_a_part_of_it() -> None:
+    diagram = Diagram("warm", **hyd.mineral_oil(celsius(60)))
+    source = diagram.add("source", hyd.FlowInput())
+    diagram.connect(source.p, diagram.add("room", hyd.Volume(volume=1 * l)).a)
+    diagram.expose(flow=source.set)
+    values = {p.name: p.start for p in diagram.compile().parameters}
+    assert values["bulk_modulus"] == hyd.mineral_oil(celsius(60))["bulk_modulus"]
+    assert "viscosity" not in values

@@ -4,7 +4,8 @@ import casadi as ca
 import pytest
 from parts import Chamber
 
-from seacrane.errors import SolveError
+from seacrane.cosim import Execution, GaussSeidel, ModelSlave, System
+from seacrane.errors import CosimError, SolveError
 from seacrane.library.hydraulics import (
     DirectionalValve43,
     DoubleActingCylinder,
@@ -22,10 +23,12 @@ from seacrane.model import (
     Hydraulic,
     RungeKutta4,
     SignalIn,
+    build,
     parameter,
     simulate,
     trim,
 )
+from seacrane.model.dae import Dae, Variable
 from seacrane.units import Ratio, bar, l, l_min, mm
 
 
@@ -260,6 +263,39 @@ def test_where_nothing_else_stands_out_the_state_at_fault_is_told_with_its_compo
     assert "Look at the parameters of tank" in text
     assert "another tolerance than 1e-07" in text
     assert error.results.time[-1] == pytest.approx(1.0, abs=0.02)
+
+
+def test_a_step_that_fails_says_what_a_failing_run_says_and_so_does_a_system():
+    diagram = Diagram("runaway")
+    diagram.expose(k=diagram.add("tank", Escape()).k)
+    _, told = failure(diagram, 2.0, tolerance=1e-7)
+    with build(diagram.compile()).instantiate("runaway") as run:
+        run.set("solver.tolerance", 1e-7)
+        run.initialize(0.0)
+        with pytest.raises(SolveError) as caught:
+            run.step(0.0, 2.0)
+    assert caught.value.problems[1].path == "tank.level"
+    for text in ("(level in the tank)", "Look at the parameters of tank", "another tolerance than 1e-07"):
+        assert text in str(caught.value)
+        assert text in told
+    for loop in ("native", "python"):
+        system = System()
+        system.add("drive", ModelSlave(diagram, {"solver.tolerance": 1e-7}))
+        with pytest.raises(CosimError, match=r"(?s)drive.*tank.level: is at .*Look at the parameters of tank"):
+            Execution(system, GaussSeidel(0.5), loop=loop).run(2.0)
+
+
+@pytest.mark.parametrize("step", [0.0, 1e-2], ids=["rodas4", "implicit-euler"])
+def test_a_singular_matrix_is_told_with_the_unknown_that_it_leaves_open(step):
+    t, x, z, none = ca.SX.sym("t"), ca.SX.sym("x"), ca.SX.sym("z", 2), ca.SX(0, 1)
+    alg = ca.vertcat(z[0] - x, z[1] * ca.fmax(0.5 - t, 0))  # nothing determines z1 from half a second on
+    names = (Variable("first"), Variable("second"))
+    dae = Dae("lost", (Variable("x"),), names, (), (), (), (), t, x, z, none, none, ca.SX(1.0), alg, none, none)
+    with build(dae).instantiate() as run:
+        run.set("solver.fixed_step", step)
+        run.initialize(0.0)
+        with pytest.raises(SolveError, match=r"the matrix of the solver is singular at t = 0.\d+ s: nothing .* second"):
+            run.simulate([k * 0.01 for k in range(100)], [])
 
 
 class Root(Component):

@@ -216,7 +216,8 @@ def test_a_step_that_cannot_be_done_names_the_state_and_leaves_the_last_good_poi
         assert 1e3 < run.get("x") < math.inf
     assert message.startswith("runaway: the step size fell below")
     assert "x could not be integrated" in message
-    assert "Look at the parameters" in message
+    assert "x: is at" in message
+    assert "Look at its equation" in message
 
 
 def test_equations_that_are_not_finite_name_the_first_such_state() -> None:

@@ -13,11 +13,11 @@ import numpy as np
 from seacrane.cosim.documents import Document, collected, part_name
 from seacrane.cosim.fmu import FmuSlave, kind_of
 from seacrane.cosim.slave import Slave
+from seacrane.cosim.ssp.annotations import read_experiment, read_structure
 from seacrane.cosim.ssp.room import DEEPEST, Findings, Room
 from seacrane.cosim.ssp.schema import (
     BUS,
     DEFINITION,
-    EXPERIMENT,
     FMU,
     IMPLEMENTATIONS,
     INTEGERS,
@@ -25,10 +25,9 @@ from seacrane.cosim.ssp.schema import (
     NUMBERS,
     PACKAGE,
     REALS,
-    STRUCTURE,
 )
 from seacrane.cosim.ssp.values import Units, Value, below, linear, mapped, read_set, read_units, symbol, transformed
-from seacrane.cosim.structure import Bond, Connection, Connector, Experiment, Transformation, factor
+from seacrane.cosim.structure import Connection, Connector, Transformation, factor
 from seacrane.cosim.system import System
 from seacrane.errors import CosimError, FmuError, ParameterError, nearest
 from seacrane.fmi.xml import Element
@@ -54,7 +53,7 @@ def read_ssp(path: str | Path) -> System:
         structure = _Structure(room, findings)
         system = structure.system(structure.root, {})
         system.name = structure.name or system.name
-        system.experiment = structure.experiment()
+        system.experiment = read_experiment(structure.document)
         system.notes = tuple(dict.fromkeys(findings.notes))
         if findings.problems:
             raise CosimError(())
@@ -102,25 +101,16 @@ class _Structure:
         self.root = systems[0]
         self._using: list[str] = []
 
-    def experiment(self) -> Experiment:
-        element = self.document.root.first("DefaultExperiment")
-        if element is None:
-            return Experiment()
-        ours = next((a for a in _annotations(element, EXPERIMENT)), Element("", {}, 0))
-        steps = {self.document.text(s, "slave"): self.document.number(s, "step") for s in ours.all("Slave")}
-        return Experiment(
-            self.document.number(element, "startTime", 0.0),
-            self.document.number(element, "stopTime") if "stopTime" in element.attributes else None,
-            self.document.number(ours, "step") if "step" in ours.attributes else None,
-            ours.attributes.get("algorithm", ""),
-            steps,
-        )
-
     # ------------------------------------------------------------ systems
-    def system(self, element: Element, outer: Mapping[str, Value], parent: _Level | None = None) -> System:
-        """A system element with everything in it; `outer` are values of its parameters that come from above."""
+    def system(
+        self, element: Element, outer: Mapping[str, Value], parent: _Level | None = None, key: str = ""
+    ) -> System:
+        """A system element with everything in it; `outer` are values of its parameters that come from above.
+
+        `key` is its name as a part of `parent`.
+        """
         document = self.document
-        level = _Level(element, parent, part_name(document.text(element, "name")))
+        level = _Level(element, parent, key)
         values = {**self._bindings(element), **outer}
         for entry in self._children(element, "SignalDictionaries", "SignalDictionary"):
             level.dictionaries[document.text(entry, "name")] = self._dictionary(entry)
@@ -140,7 +130,7 @@ class _Structure:
         for link in self._children(element, "Connections", "Connection"):
             self._connect(level, link)
         self._close_buses(level)
-        bonds = self._annotated(level)
+        bonds = read_structure(document, element, level.connections, self.notes)
         about = element.attributes.get("description", "")
         name = document.text(element, "name")
         return System(name, level.parts, level.connections, bonds, level.connectors.values(), about=about)
@@ -149,9 +139,9 @@ class _Structure:
         try:
             self.findings.count()
             if child.tag == "System":
-                level.parts[key] = self.system(child, values, level)
+                level.parts[key] = self.system(child, values, level, key)
             else:
-                part = self._component(level, child, {**self._bindings(child), **values})
+                part = self._component(level, child, key, {**self._bindings(child), **values})
                 if part is not None:
                     level.parts[key] = part
                     if isinstance(part, FmuSlave):
@@ -164,11 +154,11 @@ class _Structure:
                 for p in error.problems
             ]
 
-    def _component(self, level: _Level, child: Element, values: Mapping[str, Value]) -> Slave | System | None:
+    def _component(self, level: _Level, child: Element, key: str, values: Mapping[str, Value]) -> Slave | System | None:
         document = self.document
         source, fragment = urldefrag(document.text(child, "source"))
         if not source and fragment:
-            return self._embedded(level, fragment, values)
+            return self._embedded(level, fragment, key, values)
         kind = child.attributes.get("type", FMU)
         if kind == FMU:
             return self._fmu(child, self.room.file(source), values)
@@ -181,7 +171,7 @@ class _Structure:
         document.found(child, f"is a component of a type that does not run here: {kind}", None, f"{FMU}, {PACKAGE}")
         return None
 
-    def _embedded(self, level: _Level, identity: str, values: Mapping[str, Value]) -> System:
+    def _embedded(self, level: _Level, identity: str, key: str, values: Mapping[str, Value]) -> System:
         """A system element of this document, used once more."""
         if identity in self._using or len(self._using) > DEEPEST:
             raise CosimError.at("", "a system refers to itself", value=identity)
@@ -191,7 +181,7 @@ class _Structure:
             if element.tag == "System" and element.attributes.get("id") == identity:
                 self._using.append(identity)
                 try:
-                    return self.system(element, values, level)
+                    return self.system(element, values, level, key)
                 finally:
                     self._using.pop()
             waiting += element.children
@@ -476,51 +466,8 @@ class _Structure:
             level.connectors[name] = Connector(name, "input")
             parent.connections.append(Connection(name, outside))
 
-    # ------------------------------------------------------------ what we note for ourselves
-    def _annotated(self, level: _Level) -> list[Bond]:
-        """Bonds and transformations of our annotation. A bond's two connections are in the file as any other."""
-        document, bonds = self.document, []
-        for ours in _annotations(level.element, STRUCTURE):
-            for element in ours.all("Transformation"):
-                level.connections.append(self._transformation(element))
-            for element in ours.all("Bond"):
-                effort, flow = ((document.text(element, f"{kind}Source"), document.text(element, f"{kind}Target"))
-                                for kind in ("effort", "flow"))  # fmt: skip
-                bond = Bond(document.text(element, "name"), effort, flow, document.number(element, "gain", 1.0))
-                if all(c in level.connections for c in bond.connections):
-                    for connection in bond.connections:
-                        level.connections.remove(connection)
-                    bonds.append(bond)
-                else:
-                    self.notes.append(f"{bond.name}: is no power bond any more, as its connections have been changed")
-        return bonds
-
-    def _transformation(self, element: Element) -> Transformation:
-        document = self.document
-        sources = [document.text(e, "name") for e in element.all("Source")]
-        targets, rows, bias = [], [], []
-        for target in element.all("Target"):
-            targets.append(document.text(target, "name"))
-            rows.append([document.number(e, "gain") for e in target.all("Term")])
-            bias.append(document.number(target, "bias", 0.0))
-        convert = document.boolean(element, "convert", True)
-        if not targets or any(len(row) != len(sources) for row in rows):
-            raise CosimError.at(document.at(element), "is no transformation: each target needs a term for each source")
-        return Transformation.of(sources, targets, rows, bias, convert)
-
     def _children(self, element: Element, group: str, tag: str) -> list[Element]:
         return [child for parent in element.all(group) for child in parent.all(tag)]
-
-
-def _annotations(element: Element, kind: str) -> list[Element]:
-    """What the annotations of one type hold."""
-    return [
-        content
-        for group in element.all("Annotations")
-        for annotation in group.all("Annotation")
-        if annotation.attributes.get("type") == kind
-        for content in annotation.children
-    ]
 
 
 def _bus_name(dictionary: str, entry: str) -> str:

@@ -37,7 +37,3 @@ IMPLEMENTATIONS: Final = {"CoSimulation": "co-simulation", "ModelExchange": "mod
 
 BUS: Final = "signals"
 """The signal dictionary for signals that are in no dictionary of a file."""
-
-STRUCTURE: Final = "seacrane.structure"
-EXPERIMENT: Final = "seacrane.experiment"
-"""Types of our annotations."""

@@ -14,8 +14,9 @@ from seacrane import documents, fmi
 from seacrane.cosim.fmu import FmuSlave
 from seacrane.cosim.model import ModelSlave
 from seacrane.cosim.slave import Slave
-from seacrane.cosim.ssp.schema import BUS, EXPERIMENT, IMPLEMENTATIONS, MAIN, SPACES, STRUCTURE, VERSIONS
-from seacrane.cosim.structure import Bond, Connection, Connector, Transformation
+from seacrane.cosim.ssp.annotations import experiment_note, structure_note
+from seacrane.cosim.ssp.schema import BUS, IMPLEMENTATIONS, MAIN, SPACES, VERSIONS
+from seacrane.cosim.structure import Connection, Connector, Transformation
 from seacrane.cosim.system import System
 from seacrane.errors import CosimError, Problem, SeacraneError
 from seacrane.fmi.export import archive_of
@@ -75,7 +76,7 @@ class _Writer:
         root = Node("ssd:SystemStructureDescription", spaces | about)
         root.append(self.system(system, system.name, {}))
         root.extend(self.unit_definitions("ssd", self.units))
-        root.extend(self.experiment(system))
+        root.extend(experiment_note(system.experiment))
         return {MAIN: _text(root), **self.resources}
 
     # ------------------------------------------------------------ systems
@@ -92,7 +93,8 @@ class _Writer:
             end, own = ports.end(inner), (None, connector.name)
             ends = (own, end) if connector.kind == "input" else (end, own)
             terms.append((Connection("", ""), *ends))
-        noted = _noted([c for c in level.connections if c not in links], level.bonds.values(), ports)
+        sums = [c for c in level.connections if isinstance(c, Transformation) and c not in links]
+        noted = structure_note(sums, level.bonds.values(), ports.name)
         node = Node("ssd:System", {"name": name} | ({"description": system.about} if system.about else {}))
         outside = [c for c in connectors.values() if c.kind != "signal"]
         node.extend(self.connectors(_Signal(c.name, c.kind, c.unit or system.unit_of(c.name)) for c in outside))
@@ -115,7 +117,7 @@ class _Writer:
         connections.extend([self.connection(term, source, target, arrays) for term, source, target in terms])
         node.extend([connections] if len(connections) else [])
         node.extend(self.dictionaries(system, buses))
-        node.extend(_annotation(STRUCTURE, noted))
+        node.extend(noted)
         return node
 
     def component(self, name: str, slave: Slave, used: set[str]) -> Node:
@@ -237,20 +239,6 @@ class _Writer:
             content.extend(self.unit_definitions("ssb", {system.unit_of(c.name) for c in entries.values()} - {"", "1"}))
         return [node] if len(node) else []
 
-    def experiment(self, system: System) -> list[Node]:
-        e = system.experiment
-        times = {"startTime": repr(e.start)} | ({"stopTime": repr(e.stop)} if e.stop is not None else {})
-        ours = Node("Experiment", {"algorithm": e.algorithm} if e.algorithm else {})
-        if e.step is not None:
-            ours.set("step", repr(e.step))
-        for name, step in e.steps.items():
-            ElementTree.SubElement(ours, "Slave", {"slave": name, "step": repr(step)})
-        if len(times) == 1 and not e.start and not ours.attrib and not len(ours):
-            return []
-        node = Node("ssd:DefaultExperiment", times)
-        node.extend(_annotation(EXPERIMENT, ours if ours.attrib or len(ours) else None))
-        return [node]
-
 
 @dataclass(frozen=True)
 class _Signal:
@@ -360,35 +348,6 @@ def _typed(kind: str, value: float | str | bytes) -> tuple[str, str]:
     if kind in ("Real", "Float64", "Float32"):
         return "Real", repr(float(value))
     return "Integer", str(int(value))
-
-
-def _noted(transformations: Iterable[Connection | Transformation], bonds: Iterable[Bond], ports: _Ports) -> Node | None:
-    node = Node("Structure")
-    for made in transformations:
-        assert isinstance(made, Transformation)
-        element = ElementTree.SubElement(node, "Transformation", {} if made.convert else {"convert": "false"})
-        for source in made.sources:
-            ElementTree.SubElement(element, "Source", {"name": ports.name(source)})
-        for i, name in enumerate(made.targets):
-            target = ElementTree.SubElement(element, "Target", {"name": ports.name(name)})
-            if made.bias and made.bias[i]:
-                target.set("bias", repr(made.bias[i]))
-            for gain in made.matrix[i]:
-                ElementTree.SubElement(target, "Term", {"gain": repr(gain)})
-    for bond in bonds:
-        keys = ("effortSource", "effortTarget", "flowSource", "flowTarget")
-        ends = {key: ports.name(name) for key, name in zip(keys, (*bond.effort, *bond.flow), strict=True)}
-        ends |= {} if bond.gain == 1 else {"gain": repr(bond.gain)}
-        ElementTree.SubElement(node, "Bond", {"name": bond.name} | ends)
-    return node if len(node) else None
-
-
-def _annotation(kind: str, content: Node | None) -> list[Node]:
-    if content is None:
-        return []
-    node = Node("ssd:Annotations")
-    ElementTree.SubElement(node, "ssc:Annotation", {"type": kind}).append(content)
-    return [node]
 
 
 def _text(root: Node) -> bytes:

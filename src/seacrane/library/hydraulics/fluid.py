@@ -92,8 +92,8 @@ def mineral_oil(
         bulk modulus  beta = beta_40 10^(-0.0024 (T - T_40))
 
     The defaults are those of the shared parameters; 6.8 mm2/s at 100 degrees goes with ISO VG 46 and a viscosity index
-    of 100. Given to a diagram, `Diagram("drive", **mineral_oil(333.15))`, or to a run of a compiled model. The law of
-    viscosity is good to a few percent, that of the modulus to ten.
+    of 100. Given to a diagram, `Diagram("drive", **mineral_oil(333.15))`; a run of a compiled model takes those of them
+    that the model has. The law of viscosity is good to a few percent, that of the modulus to ten.
 
     Sources: ASTM D341 (viscosity); A. T. J. Hayward, How to estimate the bulk modulus of hydraulic fluids, Hydraulic
     Pneumatic Power, 1970 (modulus); Merritt, chapter 2 (expansion).

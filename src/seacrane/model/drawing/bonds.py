@@ -175,8 +175,9 @@ def _drawn(sheet: Sheet) -> Canvas:
     canvas = Canvas()
     joined = [(link.tail, link.head) for link in sheet.links] + [(bond.tail, bond.head) for bond in sheet.bonds]
     lines = [(at[tail], at[head]) for tail, head in joined]
+    bonded = {frozenset((bond.tail, bond.head)) for bond in sheet.bonds}
     for link in sheet.links:
-        _draw_link(canvas, link, at, reach)
+        _draw_link(canvas, link, at, reach, aside=8.0 if frozenset((link.tail, link.head)) in bonded else 0.0)
     for bond in sheet.bonds:
         _draw_bond(canvas, bond, at, reach)
     taken = [(x - w, y - h, x + w, y + h) for (x, y), (w, h) in ((at[n], reach[n]) for n in at)]
@@ -238,8 +239,12 @@ def _draw_bond(canvas: Canvas, bond: DomainBond, at: Mapping[str, Point], reach:
         canvas.line([(x - 6 * uy, y + 6 * ux), (x + 6 * uy, y - 6 * ux)], colour, width=2.2)
 
 
-def _draw_link(canvas: Canvas, link: Link, at: Mapping[str, Point], reach: Mapping[str, Point]) -> None:
+def _draw_link(
+    canvas: Canvas, link: Link, at: Mapping[str, Point], reach: Mapping[str, Point], *, aside: float
+) -> None:
+    """The arrow of a signal, moved `aside` [px] where a bond runs between the same elements."""
     tail, head, ux, uy = _ends(at[link.tail], at[link.head], reach[link.tail], reach[link.head])
+    tail, head = ((x - aside * uy, y + aside * ux) for x, y in (tail, head))
     colour = COLOURS["signal"]
     canvas.line([tail, head], colour, width=1.0, dash="4 3")
     for side in (1, -1):

@@ -1,0 +1,195 @@
+"""The designer's server over HTTP: what the page and programs get, and what strangers do not."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import httpx
+import pytest
+
+from seacrane import design
+from seacrane.design import archive
+from seacrane.errors import ServerError
+from seacrane.operation import demo
+from seacrane.server import Desk
+
+
+@asynccontextmanager
+async def desk(tmp_path: Path, opened: design.Crane | None = None) -> AsyncIterator[httpx.AsyncClient]:
+    """A client that has opened the address which a running desk prints."""
+    page = tmp_path / "page"
+    page.mkdir(exist_ok=True)
+    (page / "designer.html").write_text("<!doctype html><title>designer</title>")
+    running = Desk(demo.FACTORY, opened=opened, port=0, page=page)
+    await running.start()
+    try:
+        address = running.address_with_token
+        async with httpx.AsyncClient(
+            base_url=address.split("?")[0], follow_redirects=True, timeout=120, trust_env=False
+        ) as client:
+            assert "designer" in (await client.get(address)).text
+            yield client
+    finally:
+        await running.stop()
+
+
+def test_shipped_designs_are_listed_and_given_in_si(tmp_path: Path) -> None:
+    async def scenario() -> None:
+        async with desk(tmp_path) as client:
+            listed = (await client.get("api/designs")).json()["designs"]
+            assert [item["name"] for item in listed] == design.names()
+            text = (await client.get("api/designs/gunnerus-pk65")).text
+            assert design.loads(text) == design.load("gunnerus-pk65")
+            assert (await client.get("api/designs/none")).status_code == 404
+            assert (await client.get("api/design/opened")).status_code == 204
+
+    asyncio.run(scenario())
+
+
+def test_the_design_of_the_command_is_the_one_opened(tmp_path: Path) -> None:
+    async def scenario() -> None:
+        crane = design.load("a-frame-30t")
+        async with desk(tmp_path, crane) as client:
+            assert design.loads((await client.get("api/design/opened")).text) == crane
+
+    asyncio.run(scenario())
+
+
+def test_all_problems_of_a_design_are_told_at_once(tmp_path: Path) -> None:
+    async def scenario() -> None:
+        data = json.loads(design.to_json(design.load("offshore-100t")))
+        async with desk(tmp_path) as client:
+            assert (await client.post("api/design/check", json=data)).json() == {"problems": []}
+            data["cylinders"][0]["stroke"] = 4.0
+            data["cylinders"][1]["rod"] = 0.5
+            told = (await client.post("api/design/check", json=data)).json()["problems"]
+            assert {p["path"] for p in told} == {
+                "design: cylinders[boom_cylinder].stroke",
+                "design: cylinders[jib_cylinder].rod",
+            }
+            refused = await client.post("api/design/export", json=data)
+            assert refused.status_code == 422
+            assert refused.json()["problems"] == told
+            refused = await client.post("api/design/check", content=b"{")
+            assert "is not JSON" in refused.json()["problems"][0]["message"]
+
+    asyncio.run(scenario())
+
+
+def test_an_exported_archive_imports_equal_and_others_are_refused_with_the_reason(tmp_path: Path) -> None:
+    async def scenario() -> None:
+        crane = design.load("a-frame-30t")
+        async with desk(tmp_path) as client:
+            packed = await client.post("api/design/export", content=design.to_json(crane))
+            assert packed.headers["content-type"] == "application/zip"
+            assert 'filename="a-frame-30t.zip"' in packed.headers["content-disposition"]
+            assert archive.unpacked(packed.content, "zip") == crane
+            back = await client.post("api/design/import", content=packed.content)
+            assert design.loads(back.text) == crane
+            cut = await client.post("api/design/import", content=packed.content[:1000])
+            assert cut.status_code == 422
+            assert "is not a whole ZIP archive" in cut.json()["problems"][0]["message"]
+
+    asyncio.run(scenario())
+
+
+def test_a_request_that_is_too_large_is_refused(tmp_path: Path) -> None:
+    async def scenario() -> None:
+        async with desk(tmp_path) as client:
+            answer = await client.post("api/design/check", content=b" " * (17 * 2**20))
+            assert answer.status_code == 422
+            assert "is larger than 16 MiB" in answer.json()["problems"][0]["message"]
+
+    asyncio.run(scenario())
+
+
+def test_strangers_get_nothing(tmp_path: Path) -> None:
+    async def scenario() -> None:
+        async with desk(tmp_path) as client:
+            async with httpx.AsyncClient(base_url=client.base_url, trust_env=False) as stranger:
+                for path in ("", "designer.html", "api/designs", "api/design/opened"):
+                    assert (await stranger.get(path)).status_code == 401
+                assert (await stranger.post("api/design/simulate", json={})).status_code == 401
+            forged = await client.get("api/designs", headers={"Origin": "http://crane.example"})
+            assert forged.status_code == 403
+
+    asyncio.run(scenario())
+
+
+def test_a_crane_that_cannot_be_operated_or_a_posture_it_cannot_take_is_refused_in_words(tmp_path: Path) -> None:
+    async def scenario() -> None:
+        offshore, frame = (json.loads(design.to_json(design.load(n))) for n in ("offshore-100t", "a-frame-30t"))
+        async with desk(tmp_path) as client:
+            for asked, words in (
+                ({"design": frame}, "only a knuckle boom crane"),
+                ({"design": offshore, "posture": {"luff": 2.0, "jib": -1.0}}, "114.6 deg is beyond its limits"),
+                ({"design": offshore, "posture": {"luf": 0.5}}, "is not a joint of the crane"),
+                ({"design": offshore, "posture": {"luff": "up"}}, "must be numbers"),
+                ({"design": offshore, "load": 1e9}, "load"),
+                ({"design": 3}, "does not hold a crane"),
+                ([], "must be a JSON object"),
+            ):
+                answer = await client.post("api/design/simulate", json=asked)
+                assert answer.status_code == 422, answer.text
+                assert words in answer.text
+
+    asyncio.run(scenario())
+
+
+def test_a_design_is_operated_in_the_posture_and_with_the_load_asked_for(tmp_path: Path) -> None:
+    async def scenario() -> None:
+        crane = json.loads(design.to_json(design.load("offshore-100t")))
+        asked = {"design": crane, "posture": {"slew": 1.5707963267948966, "luff": 0.8726646259971648, "jib": -1.2217}}
+        async with desk(tmp_path) as client:
+            answer = await client.post("api/design/simulate", json={**asked, "load": 40e3})
+            assert answer.status_code == 200, answer.text
+            address = urlsplit(answer.json()["address"])
+            token = address.query.removeprefix("token=")
+            async with httpx.AsyncClient(trust_env=False) as operator:
+                reply = await operator.get(
+                    f"http://{address.netloc}/api/openrpc.json", headers={"Authorization": f"Bearer {token}"}
+                )
+            assert reply.json()["info"]["title"] == "seacrane"
+
+    asyncio.run(scenario())
+
+
+def test_a_desk_for_other_machines_must_be_allowed() -> None:
+    with pytest.raises(ServerError, match="can be reached from other machines"):
+        Desk(demo.FACTORY, host="0.0.0.0", port=0)
+
+
+def test_a_search_for_better_designs_tells_its_front_as_it_grows(tmp_path: Path) -> None:
+    async def scenario() -> None:
+        asked = {
+            "design": json.loads(design.to_json(design.load("offshore-100t"))),
+            "variables": [{"path": "links[jib].length"}, {"path": "cylinders[jib_cylinder].bore"}],
+            "goals": [{"kind": "reach"}, {"kind": "capacity", "radius": 20}],
+            "generations": 3,
+            "population": 8,
+        }
+        async with desk(tmp_path) as client:
+            nothing = (await client.get("api/design/optimise")).json()
+            assert nothing == {"running": False, "generations": 0, "front": None, "problems": []}
+            begun = await client.post("api/design/optimise", json=asked)
+            assert begun.json()["front"]["generation"] == 0
+            for _ in range(300):
+                told = (await client.get("api/design/optimise")).json()
+                if not told["running"]:
+                    break
+                await asyncio.sleep(0.1)
+            assert told["front"]["generation"] == 3
+            assert any(told["front"]["best"])
+            await client.post("api/design/optimise", json={**asked, "generations": 500})
+            stopped = (await client.post("api/design/optimise/stop")).json()
+            assert stopped["running"] is False
+            refused = await client.post("api/design/optimise", json={**asked, "goals": []})
+            assert refused.status_code == 422
+            assert "two goals or more" in refused.text
+
+    asyncio.run(scenario())

@@ -10,10 +10,12 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import httpx
+import msgspec
 import pytest
 
 from seacrane import design
-from seacrane.design import archive
+from seacrane.design import archive, mass, mesh
+from seacrane.design.parts import Box, Imported
 from seacrane.errors import ServerError
 from seacrane.operation import demo
 from seacrane.server import Desk
@@ -191,5 +193,21 @@ def test_a_search_for_better_designs_tells_its_front_as_it_grows(tmp_path: Path)
             refused = await client.post("api/design/optimise", json={**asked, "goals": []})
             assert refused.status_code == 422
             assert "two goals or more" in refused.text
+
+    asyncio.run(scenario())
+
+
+def test_a_mesh_of_another_program_becomes_a_part(tmp_path: Path) -> None:
+    async def scenario() -> None:
+        house = mesh.mesh(Box(name="house", centre=(0, 0, 0), size=(1, 2, 3)))
+        stl = archive.stereolithography(mesh.Mesh(house.vertices * 1000, house.faces))
+        async with desk(tmp_path) as client:
+            answer = await client.post("api/design/mesh?name=house.stl&unit=mm", content=stl)
+            assert answer.json()["kind"] == "mesh"
+            part = msgspec.convert(answer.json(), type=Imported)
+            assert mass.of_part(part).mass == pytest.approx(6 * 7850, rel=1e-6)
+            refused = await client.post("api/design/mesh?name=house.step", content=stl)
+            assert refused.status_code == 422
+            assert "allowed: .stl" in refused.text or ".stl" in refused.json()["problems"][0]["allowed"]
 
     asyncio.run(scenario())

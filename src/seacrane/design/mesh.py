@@ -6,6 +6,7 @@ steel in it.
 
 from __future__ import annotations
 
+import base64
 import functools
 import math
 from collections.abc import Sequence
@@ -14,9 +15,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from seacrane.design.parts import Box, Drum, Girder, Lug, Part, Sheave, Tube
+from seacrane.design.parts import Box, Drum, Girder, Imported, Lug, Part, Sheave, Tube
 
 Array = NDArray[np.float64]
+
+_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+"""A triangle of a binary STL."""
 
 SIDES = 48
 """Corners of a circle: its area is right to 0.3 %."""
@@ -172,6 +176,41 @@ def _(part: Box) -> Mesh:
         return outer
     x, y, z = (s - 2 * part.thickness for s in part.size)
     return joined([outer, _inside_out(_block(part.centre, (x, y, z)))])
+
+
+@mesh.register
+def _(part: Imported) -> Mesh:
+    return decoded(part.surface)
+
+
+def decoded(surface: str) -> Mesh:
+    """The mesh in a binary STL in base64, its equal corners joined. `ValueError` if it is none."""
+    content = base64.b64decode(surface, validate=True)
+    count = int.from_bytes(content[80:84], "little") if len(content) >= 84 else -1
+    if len(content) != 84 + 50 * count:
+        raise ValueError("is not a binary STL")
+    corners = np.frombuffer(content, _TRIANGLE, count, 84)["corners"].reshape(-1, 3).astype(float)
+    vertices, index = np.unique(corners, axis=0, return_inverse=True)
+    return Mesh(vertices, index.reshape(-1, 3).astype(np.int32))
+
+
+def encoded(shape: Mesh) -> str:
+    """A mesh as binary STL in base64, coordinates to single precision."""
+    triangles = np.zeros(len(shape.faces), _TRIANGLE)
+    corners = shape.vertices[shape.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    triangles["normal"] = normals / np.maximum(np.linalg.norm(normals, axis=1), 1e-30)[:, None]
+    triangles["corners"] = corners
+    head = b"seacrane".ljust(80) + len(triangles).to_bytes(4, "little")
+    return base64.b64encode(head + triangles.tobytes()).decode("ascii")
+
+
+def open_edges(shape: Mesh) -> int:
+    """How many edges do not lie between two triangles that turn the same way: 0 for a closed surface."""
+    start, end = shape.faces.astype(np.int64).ravel(), shape.faces[:, [1, 2, 0]].astype(np.int64).ravel()
+    size = len(shape.vertices)
+    there, back = start * size + end, end * size + start
+    return int(np.count_nonzero(~np.isin(back, there))) + len(there) - len(np.unique(there))
 
 
 # ---------------------------------------------------------------- surfaces

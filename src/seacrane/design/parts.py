@@ -95,4 +95,13 @@ class Box(_Part, frozen=True, kw_only=True, tag="box"):
     thickness: Annotated[Length | None, Meta(gt=0, description="of the plates; absent: solid")] = None
 
 
-Part = Girder | Tube | Lug | Sheave | Drum | Box
+class Imported(_Part, frozen=True, kw_only=True, tag="mesh"):
+    """A closed surface of the user's own, from `imported.read`; solid inside."""
+
+    source: Annotated[str, Meta(min_length=1, description="the file it came from")]
+    surface: Annotated[
+        str, Meta(min_length=1, description="binary STL in m, z up, in the frame of the link, as base64")
+    ]
+
+
+Part = Girder | Tube | Lug | Sheave | Drum | Box | Imported

@@ -16,6 +16,7 @@ import numpy as np
 
 from seacrane.design.crane import FOOT, Crane
 from seacrane.design.geometry import cylinder_range, retracted_length
+from seacrane.design.mesh import decoded, open_edges
 from seacrane.design.walk import UNREAD, Tree, Walk, build, label, plain
 from seacrane.errors import Problem, nearest
 
@@ -216,8 +217,22 @@ def _shapes(path: str, link: Tree) -> Iterator[Problem]:
                 yield Problem(f"{path}.{at}.stations[{number}].top", "must be above the bottom", station["top"])
         if part.get("start") is not None and part.get("start") == part.get("end"):
             yield Problem(f"{path}.{at}.end", "is where the tube starts", value=part["end"])
+        if part.get("kind") == "mesh" and "surface" in part:
+            yield from _surface(f"{path}.{at}.surface", part["surface"])
         if min(part.get("size", (1.0,))) <= 0:
             yield Problem(f"{path}.{at}.size", "must be above 0 m along every axis", value=part["size"])
+
+
+def _surface(path: str, surface: str) -> Iterator[Problem]:
+    try:
+        shape = decoded(surface)
+    except ValueError:
+        yield Problem(path, "is not a binary STL in base64")
+        return
+    if not (len(shape.faces) and np.isfinite(shape.vertices).all()):
+        yield Problem(path, "has no triangles, or corners that are not finite")
+    elif edges := open_edges(shape):
+        yield Problem(path, f"is not closed, so it has no mass: {edges} edges are open or turned the wrong way")
 
 
 def _bounds_of(part: Tree) -> Iterator[tuple[str, float, str]]:

@@ -6,6 +6,7 @@
     POST api/design/check       a design -> its problems
     POST api/design/export      a design -> ZIP (see `design.archive`)
     POST api/design/import      a ZIP -> the design in it
+    POST api/design/mesh?name=  a mesh of another program (STL, glTF; &unit= of an STL) -> the part that it is
     POST api/design/simulate    a design, a posture [rad], a load [kg] -> the address of its operation page
     POST api/design/optimise    a design, variables, goals, generations, population -> the search begins
     GET  api/design/optimise    {running, generations, front, problems}: the front so far (see `studies`)
@@ -27,6 +28,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final
 
+import msgspec
 from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import JSONResponse, PlainTextResponse, RedirectResponse, Response
@@ -35,7 +37,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp
 
 from seacrane import design, studies
-from seacrane.design import Crane, archive
+from seacrane.design import Crane, archive, imported
 from seacrane.errors import DesignError, ParameterError, SeacraneError
 from seacrane.server import app
 from seacrane.server.guard import Guard
@@ -107,6 +109,7 @@ class Desk:
             Route("/api/design/check", _told(self._check), methods=["POST"]),
             Route("/api/design/export", _told(self._export), methods=["POST"]),
             Route("/api/design/import", _told(self._import), methods=["POST"]),
+            Route("/api/design/mesh", _told(self._mesh), methods=["POST"]),
             Route("/api/design/simulate", _told(self._simulate), methods=["POST"]),
             Route("/api/design/optimise", _told(self._optimise), methods=["POST"]),
             Route("/api/design/optimise", self._front_so_far),
@@ -151,6 +154,14 @@ class Desk:
     async def _import(self, request: Request) -> Response:
         content = await _body(request, archive.LARGEST)
         return _design(await asyncio.to_thread(archive.unpacked, content, "the archive"))
+
+    async def _mesh(self, request: Request) -> Response:
+        content = await _body(request, imported.LARGEST)
+        asked = request.query_params
+        part = await asyncio.to_thread(
+            imported.part, content, asked.get("name", "mesh.stl"), unit=asked.get("unit", "m")
+        )
+        return JSONResponse(msgspec.to_builtins(part))
 
     async def _simulate(self, request: Request) -> Response:
         asked = _object(await _body(request, LARGEST_DESIGN))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from pathlib import Path
 
 import msgspec
 import numpy as np
@@ -11,8 +12,8 @@ import pytest
 import trimesh
 
 from seacrane import design
-from seacrane.design import mass, mesh, standard
-from seacrane.design.parts import STEEL, Box, Drum, Girder, Lug, Part, Sheave, Station, Tube
+from seacrane.design import imported, mass, mesh, standard
+from seacrane.design.parts import STEEL, Box, Drum, Girder, Imported, Lug, Part, Sheave, Station, Tube
 from seacrane.errors import DesignError
 
 
@@ -170,4 +171,62 @@ def test_an_unknown_kind_of_part_gets_the_nearest() -> None:
     first, second = map(str, refused.value.problems)
     assert "links[boom].parts[boom].kind: is none of the known values (got 'girdr')" in first
     assert "Did you mean 'girder'?" in first
-    assert "links[jib].parts[jib].kind: is missing; allowed: girder, tube, lug, sheave, drum, box" in second
+    assert "links[jib].parts[jib].kind: is missing; allowed: girder, tube, lug, sheave, drum, box, mesh" in second
+
+
+def _triangles(part: Part) -> trimesh.Trimesh:
+    return trimesh.Trimesh(*_arrays(part), process=False)
+
+
+@pytest.mark.parametrize("kind", ["stl", "glb"])
+def test_a_mesh_of_another_program_is_a_part_of_the_same_mass(kind: str, tmp_path: Path) -> None:
+    box = PARTS["box"]
+    surface = _triangles(box)
+    if kind == "glb":
+        surface.apply_transform([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])  # y up
+    else:
+        surface.apply_scale(1000)
+    surface.export(tmp_path / f"house.{kind}")
+    part = imported.read(tmp_path / f"house.{kind}", unit="mm" if kind == "stl" else "m")
+    body, expected = mass.of_part(part), mass.of_part(box)
+    assert part.name == "house"
+    assert body.mass == pytest.approx(expected.mass, rel=1e-6)
+    np.testing.assert_allclose(body.centre, expected.centre, atol=1e-5)
+    crane = design.load("offshore-100t")
+    links = (msgspec.structs.replace(crane.links[0], parts=(part,)), *crane.links[1:])
+    whole = msgspec.structs.replace(crane, links=links)
+    assert design.loads(design.to_json(whole)) == whole
+
+
+def test_meshes_that_cannot_be_parts_are_refused_with_the_reason(tmp_path: Path) -> None:
+    surface = _triangles(PARTS["box"])
+    surface.update_faces(np.arange(len(surface.faces)) > 0)
+    surface.export(tmp_path / "open.stl")
+    (tmp_path / "text.stl").write_bytes(b"\x00" * 90)
+    (tmp_path / "other.gltf").write_text('{"asset": {"version": "2.0"}, "buffers": [{"uri": "../secret.bin"}]}')
+    (tmp_path / "crane.step").write_text("")
+    for name, message in (
+        ("open.stl", "is not closed, so it has no mass: 3 edges"),
+        ("text.stl", "cannot be read as a mesh|has no triangles"),
+        ("other.gltf", "cannot be read as a mesh|has no triangles"),
+        ("crane.step", r"is not a mesh that can be read \(got '.step'\); allowed: .stl, .glb, .gltf"),
+    ):
+        with pytest.raises(DesignError, match=message):
+            imported.read(tmp_path / name)
+    with pytest.raises(DesignError, match="is not a unit of length"):
+        imported.read(tmp_path / "open.stl", unit="kg")
+
+
+def test_a_surface_in_a_design_file_must_be_closed() -> None:
+    crane = design.load("offshore-100t")
+    whole = mesh.mesh(PARTS["box"])
+    holed = mesh.encoded(mesh.Mesh(whole.vertices, whole.faces[1:]))
+    parts = (
+        Imported(name="holed", source="a.stl", surface=holed),
+        Imported(name="words", source="b.stl", surface="no mesh"),
+    )
+    links = (msgspec.structs.replace(crane.links[0], parts=parts), *crane.links[1:])
+    first, second = design.check(msgspec.structs.replace(crane, links=links))
+    assert first.path == "links[column].parts[holed].surface"
+    assert "is not closed" in first.message
+    assert "is not a binary STL" in second.message

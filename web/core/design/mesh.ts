@@ -29,6 +29,8 @@ export function mesh(part: Part): Mesh {
       return drum(part);
     case "box":
       return box(part);
+    case "mesh":
+      return decoded(part.surface);
   }
 }
 
@@ -193,6 +195,42 @@ function box({ centre, size, thickness }: Box): Mesh {
   if (thickness == null) return outer;
   const [a, b, c] = size.map((side) => side - 2 * thickness);
   return joined([outer, insideOut(block(centre, [a, b, c]))]);
+}
+
+/** The mesh in a binary STL in base64; a `RangeError` if it is none. */
+export function decoded(surface: string): Mesh {
+  const content = Uint8Array.from(atob(surface), (character) => character.charCodeAt(0));
+  const view = new DataView(content.buffer);
+  const count = content.length >= 84 ? view.getUint32(80, true) : -1;
+  if (content.length !== 84 + 50 * count) throw new RangeError("is not a binary STL");
+  const corners = new Map<string, number>();
+  const vertices: number[] = [];
+  const faces = new Uint32Array(3 * count);
+  for (let i = 0; i < 3 * count; i += 1) {
+    const at = 84 + 50 * Math.floor(i / 3) + 12 + 12 * (i % 3);
+    const point = [view.getFloat32(at, true), view.getFloat32(at + 4, true), view.getFloat32(at + 8, true)];
+    const key = point.join(" ");
+    let index = corners.get(key);
+    if (index === undefined) {
+      index = vertices.length / 3;
+      corners.set(key, index);
+      vertices.push(...point);
+    }
+    faces[i] = index;
+  }
+  return { vertices: Float64Array.from(vertices), faces };
+}
+
+/** A mesh as binary STL, coordinates to single precision. */
+export function stl({ vertices, faces }: Mesh): Uint8Array {
+  const content = new Uint8Array(84 + (50 * faces.length) / 3);
+  const view = new DataView(content.buffer);
+  new TextEncoder().encodeInto("seacrane".padEnd(80), content);
+  view.setUint32(80, faces.length / 3, true);
+  for (let i = 0; i < faces.length; i += 1)
+    for (let k = 0; k < 3; k += 1)
+      view.setFloat32(84 + 50 * Math.floor(i / 3) + 12 + 12 * (i % 3) + 4 * k, vertices[3 * faces[i] + k], true);
+  return content;
 }
 
 // ---------------------------------------------------------------- surfaces

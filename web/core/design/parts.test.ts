@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { combined, ofLink, ofPart, weighed } from "./mass";
-import { mesh } from "./mesh";
+import { mesh, stl } from "./mesh";
 import cases from "./parts.fixture.json";
 import { furnished } from "./standard";
 import type { Crane, Part } from "./types";
@@ -56,6 +56,15 @@ describe("masses", () => {
     const whole = ofPart({ kind: "box", name: "box", centre: [0.5, 0, 0], size: [2, 1, 1] });
     near([both.mass], [whole.mass], whole.mass);
     near(both.inertia, whole.inertia, whole.inertia[1]);
+  });
+
+  it("of a part that went through STL stay the same", () => {
+    const box: Part = { kind: "box", name: "box", centre: [1, 2, 3], size: [1, 2, 4], thickness: 0.25 };
+    const surface = btoa(String.fromCharCode(...stl(mesh(box))));
+    const found = ofPart({ kind: "mesh", name: "read", source: "box.stl", surface });
+    near([found.mass], [ofPart(box).mass], found.mass);
+    near(found.centre, ofPart(box).centre, 10);
+    expect(() => ofPart({ kind: "mesh", name: "words", source: "x", surface: btoa("words") })).toThrow("binary STL");
   });
 
   it("are taken from the parts where a link has any", () => {

@@ -85,7 +85,15 @@ export interface Box extends Named {
   readonly thickness?: number | null;
 }
 
-export type Part = Girder | Tube | Lug | Sheave | Drum | Box;
+export interface Imported extends Named {
+  readonly kind: "mesh";
+  /** The file it came from. */
+  readonly source: string;
+  /** Binary STL in m, z up, in the frame of the link, as base64. */
+  readonly surface: string;
+}
+
+export type Part = Girder | Tube | Lug | Sheave | Drum | Box | Imported;
 
 export interface Link {
   readonly name: string;

@@ -1,8 +1,8 @@
 """The two master loops: C, and plain Python where there is no compiler. Both give the same bits.
 
 They do the same operations on the same `Plan` in the same order. `native_loop` runs the C sources `master.c`,
-`exchange.c`, `iterate.c` and `pool.c` of `seacrane.native`; `python_loop` and `python_iteration` have functions of the
-same names.
+`exchange.c`, `iterate.c` and `pool.c` of `seacrane.native`; `python_loop`, `python_slave` and
+`python_iteration` have functions of the same names.
 """
 
 from __future__ import annotations

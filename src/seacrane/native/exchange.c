@@ -1,4 +1,4 @@
-/* Outputs to inputs, extrapolated where that is wanted, and the step of one slave. seacrane/cosim/python_loop.py
+/* Outputs to inputs, extrapolated where that is wanted, and the step of one slave. seacrane/cosim/python_slave.py
  * does the same in the same order. */
 #include "master.h"
 

@@ -17,6 +17,8 @@ enum { NEXT_STEP, LAST_ERROR, GREATEST_POWER }; /* layout of plan.controller */
 #define INTEGRAL 0.7
 #define LEAST_CHANGE 0.2
 #define MOST_CHANGE 2.0
+#define FATAL 4 /* FMI 2 status after which a slave must not be called any more */
+
 #define LEAST_ERROR 1e-4 /* below it, errors say no more about the step */
 
 int fault(plan_t *p, int64_t slave, int64_t stage, int64_t status, int64_t variable) {
@@ -248,7 +250,8 @@ EXPORT void seacrane_end(plan_t *p) {
     for (int64_t i = 0; i < p->slave_count; ++i)
         for (int slot = 0; slot < SAVED_STATES; ++slot) {
             slave_t *s = p->slaves + i;
-            if (s->saved[slot] && s->release) (void)s->release(s->handle, s->saved + slot);
+            const int callable = !(s->fault_stage >= 0 && s->fault_status == FATAL);
+            if (s->saved[slot] && s->release && callable) (void)s->release(s->handle, s->saved + slot);
             s->saved[slot] = NULL;
         }
 }

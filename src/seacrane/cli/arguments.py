@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
-from seacrane.errors import ParameterError, Problem
+from seacrane.errors import Problem
 
 if TYPE_CHECKING:
-    from seacrane.results import Recording
+    from seacrane.results import Figure
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 """What `add_subparsers` gives, and commands are added to."""
@@ -25,6 +25,14 @@ def output(text: str) -> Path:
     return path
 
 
+def picture(text: str) -> Path:
+    """A picture to be written, of a kind that its suffix says."""
+    path = output(text)
+    if path.suffix.lower() not in (".svg", ".png", ".pdf"):
+        raise argparse.ArgumentTypeError(f"{text!r} is of no kind of picture; give a name in .svg, .png or .pdf")
+    return path
+
+
 def verdict(file: str | os.PathLike[str], problems: Sequence[Problem]) -> int:
     """Print what a check has found in a file; the exit code of the command: 0 if nothing, else 1."""
     for problem in problems:
@@ -33,13 +41,11 @@ def verdict(file: str | os.PathLike[str], problems: Sequence[Problem]) -> int:
     return 1 if problems else 0
 
 
-def save_plot(run: Recording, names: Sequence[str], path: Path, title: str = "") -> None:
-    """Write beside and rename; the suffix says the kind of picture."""
-    beside = path.with_name(f".{path.stem}.part{path.suffix or '.svg'}")
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write beside and rename: an existing picture is replaced only once the new one is complete."""
+    beside = path.with_name(f".{path.stem}.part{path.suffix}")
     try:
-        run.plot(*names, title=title).savefig(beside)
+        figure.savefig(beside)
         beside.replace(path)
-    except ValueError as error:
-        raise ParameterError.at(str(path), f"cannot be drawn: {error}") from None
     finally:
         beside.unlink(missing_ok=True)

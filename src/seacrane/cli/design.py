@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from seacrane import documents
 from seacrane.errors import DesignError, ParameterError
 
-from .arguments import Commands, output, verdict
+from .arguments import Commands, output, picture, save_figure, verdict
 
 if TYPE_CHECKING:
     from seacrane.design import Crane
@@ -28,8 +28,8 @@ def add(commands: Commands) -> None:
     chart = design.add_parser("chart", help="print the load chart: load over radius, and what governs")
     chart.add_argument("--mode", metavar="NAME", help="harbour, or a wave height such as hs2.0; all unless given")
     chart.add_argument("--csv", type=output, metavar="OUT", help="write mode, radius_m, swl_t, governs")
-    chart.add_argument("--plot", type=output, metavar="OUT", help="draw the curves (SVG, PNG or PDF)")
-    chart.add_argument("--section", type=output, metavar="OUT", help="draw the load over the workspace of the mode")
+    chart.add_argument("--plot", type=picture, metavar="OUT", help="draw the curves (SVG, PNG or PDF)")
+    chart.add_argument("--section", type=picture, metavar="OUT", help="draw the load over the workspace of the mode")
     chart.set_defaults(run=_chart)
     export = design.add_parser("export", help="write a ZIP: design, meshes, masses, load chart, MJCF, URDF, data sheet")
     export.add_argument("--out", type=output, metavar="FILE", help="NAME.zip in this folder unless given")
@@ -117,7 +117,7 @@ def _draw_section(crane: Crane, mode: Mode, path: Path) -> None:
 
 
 def _save(figure: Figure, path: Path) -> None:
-    figure.savefig(path)
+    save_figure(figure, path)
     print(f"{path}: drawn")
 
 

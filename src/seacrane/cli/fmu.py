@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .arguments import Commands, output, save_plot, verdict
+from .arguments import Commands, output, picture, save_figure, verdict
 
 if TYPE_CHECKING:
     from seacrane.fmi import ModelDescription
@@ -34,13 +34,14 @@ def add(commands: Commands) -> None:
     run.add_argument("file", type=Path)
     _settings(run)
     run.add_argument(
+        "--signals",
         "--output",
         type=lambda text: re.split(r",(?![^\[]*\])", text),  # no comma of the subscripts of an element
         metavar="NAME,...",
         help="what to record (default: all outputs that are numbers)",
     )
     run.add_argument("--csv", type=output, metavar="FILE", help="write what was recorded as CSV")
-    run.add_argument("--plot", type=output, metavar="FILE", help="plot what was recorded (SVG, PNG or PDF)")
+    run.add_argument("--plot", type=picture, metavar="FILE", help="plot what was recorded (SVG, PNG or PDF)")
     run.set_defaults(run=_run)
 
     export = fmu.add_parser("export", help="write a model as an FMU for co-simulation and model exchange")
@@ -77,7 +78,11 @@ def _settings(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--step", type=float, default=0.01, metavar="S", help="communication step [s] (default 0.01)")
     parser.add_argument("--input", type=Path, metavar="CSV", help="inputs over time: `time [s],name [unit],...`")
     parser.add_argument(
-        "--set", action="append", default=[], metavar="NAME=VALUE", help="start value, in the unit of the FMU"
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="start value, as pump.pressure='210 bar'; a bare number is in the FMU's unit",
     )
     parser.add_argument("--kind", choices=("co-simulation", "model-exchange"), help="which kind of an FMU of both")
     parser.add_argument("--tolerance", type=float, metavar="T", help="relative tolerance of the solver")
@@ -145,12 +150,12 @@ def _kinds(d: ModelDescription) -> str:
 
 
 def _run(options: argparse.Namespace) -> int:
-    recording = _recording(options, options.file, options.output)
+    recording = _recording(options, options.file, options.signals)
     if options.csv:
         recording.to_csv(options.csv)
         print(f"{options.csv}: {len(recording)} rows")
     if options.plot:
-        save_plot(recording, recording.names, options.plot, options.file.stem)
+        save_figure(recording.plot(title=options.file.stem), options.plot)
         print(f"{options.plot}: drawn")
     if not options.csv and not options.plot:
         rows = [(n, f"{s.values[-1]:.6g}", _unit(s.unit)) for n, s in recording.signals.items()]
@@ -227,9 +232,11 @@ def _recording(options: argparse.Namespace, path: Path, outputs: list[str] | Non
 
 def _values(description: ModelDescription, settings: list[str]) -> Mapping[str, Any]:
     from seacrane import fmi
-    from seacrane.errors import ParameterError, Problem, nearest
+    from seacrane.errors import FmuError, ParameterError, Problem, UnitError, nearest
 
-    values, problems = {}, []
+    values: dict[str, Any] = {}
+    problems: list[Problem] = []
+    units = fmi.known_units(description)
     for text in settings:
         name, equals, value = text.partition("=")
         element = fmi.element_of(name.strip(), description.by_name)
@@ -239,7 +246,10 @@ def _values(description: ModelDescription, settings: list[str]) -> Mapping[str, 
         elif variable is None:
             problems.append(Problem(name, "no such variable", hint=nearest(name, description.by_name)))
         else:
-            values[name.strip()] = fmi.parse(variable, value)
+            try:
+                values[name.strip()] = fmi.parse(variable, value, fmi.unit_symbol(variable, units))
+            except (FmuError, UnitError) as error:
+                problems += error.problems
     if problems:
         raise ParameterError(problems)
     return values

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from seacrane.errors import CosimError, ParameterError, Problem, SeacraneError, UnitError, nearest
 from seacrane.units import parse
 
-from .arguments import Commands, output, save_plot
+from .arguments import Commands, output, picture, save_figure
 
 if TYPE_CHECKING:
     from seacrane.cosim import Algorithm, Execution, Experiment, Pace, System
@@ -51,7 +51,7 @@ def add(commands: Commands) -> None:
         metavar="FILE",
         help="record while it runs: FILE.csv, FILE.arrow (survives a crash), or FILE.parquet (made of that at the end)",
     )
-    run.add_argument("--plot", type=output, metavar="FILE", help="plot what was recorded (SVG, PNG or PDF)")
+    run.add_argument("--plot", type=picture, metavar="FILE", help="plot what was recorded (SVG, PNG or PDF)")
     run.add_argument("--scenario", type=Path, metavar="FILE", help="events to carry out (JSON, seacrane-scenario/1)")
     run.add_argument("--resume", type=Path, metavar="FILE", help="go on from a state that --save has written")
     run.add_argument("--save", type=output, metavar="FILE", help="save the whole state at the end")
@@ -71,11 +71,11 @@ def _run(options: argparse.Namespace) -> int:
     step = _needed(options.step, experiment.step, "--step")
     name = options.algorithm or experiment.algorithm or "gauss-seidel"
     if name not in cosim.ALGORITHMS:
-        allowed, hint = ", ".join(cosim.ALGORITHMS), nearest(name, cosim.ALGORITHMS)
-        raise CosimError.at("--algorithm", "there is no such algorithm", value=name, allowed=allowed, hint=hint)
+        allowed = ", ".join(cosim.ALGORITHMS)
+        raise CosimError.at("--algorithm", "there is no such algorithm", value=name, allowed=allowed)
     settings = _settings(system, options.set)
     signals = _signals(system, options.signals)
-    _tell(system, settings)
+    _tell(system, settings, "saved" if options.resume else "start")
     with cosim.Execution(system, _algorithm(name, step, experiment), start=experiment.start) as run:
         for variable, value in settings.items():
             run.set(variable, value)
@@ -83,6 +83,10 @@ def _run(options: argparse.Namespace) -> int:
             run.follow(cosim.scenario.load(options.scenario, run.variables))
         if options.resume:
             run.restore_file(options.resume)
+            if not until > run.time:
+                raise CosimError.at(
+                    "--until", "is not after the saved state", value=until, allowed=f"above {run.time:g} s"
+                )
         recorder = run.record(signals, every=options.every)
         if options.record:
             run.record_file(options.record, signals, every=options.every)
@@ -99,7 +103,8 @@ def _run(options: argparse.Namespace) -> int:
         finally:
             if options.plot and len(recorder.recording()) > 1:
                 recording = recorder.recording()
-                save_plot(recording, (signals or list(recording.signals))[:_MOST_PLOTTED], options.plot)
+                names = signals or list(recording.signals)
+                save_figure(recording.plot(*names[:_MOST_PLOTTED]), options.plot)
         if options.progress:
             _progress(run)(run.time, until)
             print(file=sys.stderr)
@@ -206,7 +211,7 @@ def _behind(system: System, connector: str) -> Iterator[str]:
             yield link.source if system.level.connectors[connector].kind == "output" else link.target
 
 
-def _tell(system: System, settings: Mapping[str, float]) -> None:
+def _tell(system: System, settings: Mapping[str, float], of: str) -> None:
     """What may surprise: notes of the reader, and inputs that nothing drives."""
     for note in system.notes:
         print(f"seacrane: {note}", file=sys.stderr)
@@ -215,9 +220,9 @@ def _tell(system: System, settings: Mapping[str, float]) -> None:
     if open_inputs:
         named = ", ".join(open_inputs[:_MOST_NAMED]) + (", ..." if len(open_inputs) > _MOST_NAMED else "")
         they = (
-            "input is not connected and keeps its start value"
+            f"input is not connected and keeps its {of} value"
             if len(open_inputs) == 1
-            else ("inputs are not connected and keep their start values")
+            else f"inputs are not connected and keep their {of} values"
         )
         print(f"seacrane: {len(open_inputs)} {they}: {named}", file=sys.stderr)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from seacrane.errors import ParameterError, Problem, SolveError, nearest
 
-from .arguments import Commands, output, save_plot
+from .arguments import Commands, output, picture, save_figure
 
 if TYPE_CHECKING:
     from seacrane.results import Recording
@@ -21,12 +21,12 @@ def add(commands: Commands) -> None:
     run.add_argument("--until", type=float, required=True, metavar="S", help="end of the run [s]")
     run.add_argument("--every", type=float, default=0.01, metavar="S", help="output step [s] (default 0.01)")
     run.add_argument("--csv", type=output, metavar="FILE", help="write the signals as CSV, in SI")
-    run.add_argument("--plot", type=output, metavar="FILE", help="plot the signals (SVG, PNG or PDF)")
+    run.add_argument("--plot", type=picture, metavar="FILE", help="plot the signals (SVG, PNG or PDF)")
     run.add_argument(
         "--signals",
         type=lambda text: text.split(","),
         metavar="NAME,...",
-        help="what to write and plot (default: everything in the CSV, inputs and outputs in the plot)",
+        help="what to write and plot (default: inputs and outputs in the plot, all but unset parameters in the CSV)",
     )
     run.add_argument(
         "--set",
@@ -57,13 +57,15 @@ def _simulate(options: argparse.Namespace) -> int:
     unknown = [name for name in options.signals or () if name not in names]
     if unknown:
         raise ParameterError(_unknown_signals(unknown, names))
+    settings = dict(options.set)
+    constant = {v.name for v in dae.parameters} - settings.keys()
     try:
         run = model.simulate(
             dae,
             options.until,
             every=options.every,
-            parameters=model.settings(diagram, dae, dict(options.set)),
-            record=options.signals,
+            parameters=model.settings(diagram, dae, settings),
+            record=options.signals or [name for name in names if name not in constant],
             solver=options.solver,
             tolerance=options.tolerance,
         )
@@ -93,5 +95,5 @@ def _write(run: Recording, options: argparse.Namespace, shown: list[str]) -> Non
         print(f"{options.csv}: {len(run.signals)} signals, {len(run)} rows")
     if options.plot:
         names = options.signals or [name for name in shown if name in run.signals] or list(run.signals)[:12]
-        save_plot(run, names, options.plot)
+        save_figure(run.plot(*names), options.plot)
         print(f"{options.plot}: {', '.join(names)}")

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from seacrane.design.crane import Crane, Cylinder
 from seacrane.design.geometry import retracted_length
 from seacrane.design.planar import Array, Plane, Postures, grid, plane_joints
-from seacrane.errors import DesignError, nearest
+from seacrane.errors import DesignError
 from seacrane.units import GRAVITY
 
 NOTHING = "nothing"
@@ -63,12 +63,10 @@ def modes(crane: Crane) -> tuple[Mode, ...]:
 
 
 def mode(crane: Crane, name: str) -> Mode:
-    """The mode of this name; `DesignError` with the nearest names."""
+    """The mode of this name; `DesignError` with the names there are."""
     known = {m.name: m for m in modes(crane)}
     if name not in known:
-        raise DesignError.at(
-            "mode", "is not one of this crane", value=name, allowed=", ".join(known), hint=nearest(name, known)
-        )
+        raise DesignError.at("mode", "is not one of this crane", value=name, allowed=", ".join(known))
     return known[name]
 
 

@@ -17,6 +17,7 @@ from seacrane.fmi.export import cached, export
 from seacrane.fmi.fmu import Fmu, Kind, icons, read
 from seacrane.fmi.instance import FmuInstance
 from seacrane.fmi.simulate import Deviation, compare, parse, run
+from seacrane.fmi.symbols import known_units, unit_symbol
 from seacrane.fmi.typed import Exchange, bounds, exchanges_all_types
 from seacrane.fmi.values import element_of
 from seacrane.fmi.wasm import export_wasm
@@ -46,7 +47,9 @@ __all__ = [
     "export",
     "export_wasm",
     "icons",
+    "known_units",
     "parse",
     "read",
     "run",
+    "unit_symbol",
 ]

@@ -11,7 +11,7 @@ from pathlib import Path, PurePosixPath
 from typing import Final, Literal, Protocol
 
 from seacrane import documents
-from seacrane.errors import FmuError, Problem, nearest
+from seacrane.errors import FmuError, Problem
 from seacrane.fmi import writing2, writing3
 from seacrane.fmi.documentation import DRAWING, icon_png, icon_svg, page
 from seacrane.fmi.platforms import binary_path
@@ -119,11 +119,7 @@ def _targets(platforms: str | Iterable[str]) -> tuple[str, ...]:
         return tuple(TARGETS)
     wanted = tuple(dict.fromkeys([platforms] if isinstance(platforms, str) else platforms))
     allowed = f"host, all, or some of {', '.join(TARGETS)}"
-    unknown = [
-        Problem("platforms", "is none that can be exported for", p, allowed, nearest(p, TARGETS))
-        for p in wanted
-        if p not in TARGETS
-    ]
+    unknown = [Problem("platforms", "is none that can be exported for", p, allowed) for p in wanted if p not in TARGETS]
     if unknown or not wanted:
         raise FmuError(unknown or [Problem("platforms", "are none", allowed=allowed)])
     return wanted

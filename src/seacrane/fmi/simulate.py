@@ -18,6 +18,7 @@ from seacrane.fmi.symbols import known_units, unit_symbol
 from seacrane.fmi.values import element_of
 from seacrane.results import Recording, Signal
 from seacrane.units import UNITS, compatible, convert, display
+from seacrane.units import parse as quantity
 
 _Driven = tuple[str, Any, Any]
 _NO_NUMBERS = ("String", "Binary", "Clock")
@@ -122,20 +123,21 @@ def compare(first: Recording, second: Recording) -> list[Deviation]:
     return sorted(deviations, key=lambda deviation: -deviation.relative)
 
 
-def parse(v: Variable, text: str) -> Any:
+def parse(v: Variable, text: str, unit: str | None = None) -> Any:
     """The value that a text gives to a variable: of an array, its elements with spaces between them.
 
-    An enumeration takes the name of an item or its number.
+    A real scalar may have a unit, as "210 bar", if that of the variable is known (`unit`, a symbol of
+    `seacrane.units`); a bare number is in the variable's own. An enumeration takes the name of an item or its number.
     """
     if v.dimensions and v.type not in _NO_NUMBERS:
-        return [_scalar(v, item) for item in text.replace(",", " ").split()]
-    return _scalar(v, text)
+        return [_scalar(v, item, None) for item in text.replace(",", " ").split()]
+    return _scalar(v, text, unit)
 
 
-def _scalar(v: Variable, text: str) -> Any:
+def _scalar(v: Variable, text: str, unit: str | None) -> Any:
     try:
         if v.type in REALS:
-            return float(text)
+            return _real(v.name, text, unit)
         if v.type == "Boolean":
             return {"true": True, "1": True, "false": False, "0": False}[text.strip().lower()]
         if v.type == "Binary":
@@ -144,6 +146,15 @@ def _scalar(v: Variable, text: str) -> Any:
     except (ValueError, KeyError):
         allowed = ", ".join(v.items) or None
         raise FmuError.at(v.name, f"is {v.type} and cannot take this value", value=text, allowed=allowed) from None
+
+
+def _real(name: str, text: str, unit: str | None) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        if unit is None:
+            raise
+        return quantity(text, unit, name)
 
 
 def _outputs(d: ModelDescription, asked: Sequence[str] | None) -> list[str]:

@@ -21,7 +21,7 @@ from seacrane.library.references import ASTROM_MURRAY, DISSERTATION, HYSTERESIS
 from seacrane.model import BondGraph, Component, SignalIn, SignalOut, initial, option, parameter
 from seacrane.model.ports import Port
 from seacrane.numerics.regularise import limit, maximum, piecewise_linear
-from seacrane.units import UNITS, Angle, AngularSpeed, Ratio, Time
+from seacrane.units import UNITS, Angle, AngularFrequency, Ratio, Time
 
 Points = Sequence[tuple[float, float]]
 
@@ -348,7 +348,7 @@ class FirstOrderLag(_Keeping):
 class SecondOrderLag(_Keeping):
     """y'' + 2 zeta w y' + w^2 y = w^2 u."""
 
-    natural_frequency: AngularSpeed = parameter("natural frequency w", above=0, most=1e6)
+    natural_frequency: AngularFrequency = parameter("natural frequency w", above=0, most=1e6)
     damping: Ratio = parameter("damping ratio zeta", least=0, most=100)
     start: Ratio = initial("output at the start", least=-1e12, most=1e12)
     ports = {"u": SignalIn(), "y": SignalOut()}

@@ -48,7 +48,7 @@ SOLVERS: Final[Mapping[str, Solver]] = {
 """Solvers by the names that `simulate` and `compare` take, with the steps they have by default."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Run(Recording):
     """What a run of a model has given, and what it has cost.
 

@@ -185,7 +185,7 @@ class Recording:
 
     def __repr__(self) -> str:
         span = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self) else "empty"
-        return f"Recording({len(self)} times, {span}, {len(self.signals)} signals)"
+        return f"{type(self).__name__}({len(self)} times, {span}, {len(self.signals)} signals)"
 
 
 def signals_of(names: Mapping[str, tuple[str, str]], columns: Any) -> dict[str, Signal]:

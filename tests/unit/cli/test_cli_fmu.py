@@ -12,6 +12,8 @@ from fmpy.validation import validate_fmu
 from seacrane import fmi
 from seacrane.cli import main
 from seacrane.fmi.platforms import this_platform
+from seacrane.model import load
+from seacrane.results import Recording
 
 BOOM_DRIVE = Path(__file__).parents[3] / "examples" / "boom_drive.json"
 
@@ -68,6 +70,25 @@ def test_a_plot_of_a_kind_that_cannot_be_drawn_is_refused_and_none_is_left(
     out = tmp_path / "boom.fmu"
     main(["fmu", "export", str(BOOM_DRIVE), "--out", str(out)])
     command = ["fmu", "run", str(out), "--until", "0.1", "--plot", str(tmp_path / "boom.xyz")]
-    assert main(command) == 2
-    assert "boom.xyz: cannot be drawn: Format 'xyz' is not supported" in capsys.readouterr().err
+    with pytest.raises(SystemExit) as left:
+        main(command)
+    assert left.value.code == 2
+    assert "boom.xyz' is of no kind of picture; give a name in .svg, .png or .pdf" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["boom.fmu"]
+
+
+def test_start_values_are_taken_in_any_unit_of_their_kind_and_all_wrong_ones_are_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fmu, csv = tmp_path / "boom.fmu", tmp_path / "run.csv"
+    fmi.export(load(BOOM_DRIVE), fmu)
+    run = ["fmu", "run", str(fmu), "--until", "0.01", "--signals", "pump.pressure,spool", "--csv", str(csv)]
+    assert main([*run, "--set", "pump.pressure=210 bar", "--set", "spool=40 %"]) == 0
+    recording = Recording.read_csv(csv)
+    assert (recording["pump.pressure"][-1], recording["spool"][-1]) == (210e5, 0.4)
+    capsys.readouterr()
+    assert main([*run, "--set", "pump.pressure=210 mm", "--set", "spol=1", "--set", "spool=half"]) == 2
+    problems = capsys.readouterr().err
+    assert "pump.pressure: a quantity in 'mm' cannot be given in 'Pa'" in problems
+    assert "spol: no such variable. Did you mean 'spool'" in problems
+    assert "(got 'half')" in problems

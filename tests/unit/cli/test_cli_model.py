@@ -149,3 +149,31 @@ def test_every_check_exits_with_1_if_it_finds_a_problem_and_with_2_if_it_was_not
     with pytest.raises(SystemExit) as left:
         main([room, "check"])
     assert left.value.code == 2
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["simulate", str(BOOM_DRIVE), "--until", "1"],
+        ["fmu", "run", "any.fmu", "--until", "1"],
+        ["run", "any.ssp"],
+        ["design", "chart", "gunnerus-pk65"],
+    ],
+    ids=lambda command: command[0],
+)
+def test_a_picture_of_an_unknown_kind_is_refused_before_anything_is_computed(
+    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as left:
+        main([*command, "--plot", str(tmp_path / "picture.foo")])
+    assert left.value.code == 2
+    assert "is of no kind of picture; give a name in .svg, .png or .pdf" in capsys.readouterr().err
+
+
+def test_the_file_of_a_simulation_has_no_parameters_but_those_set_or_asked_for(model: Path, tmp_path: Path) -> None:
+    everything, some = tmp_path / "everything.csv", tmp_path / "some.csv"
+    assert main(["simulate", str(model), "--until", "0.1", "--csv", str(everything)]) == 0
+    assert "volume.volume [m3]" not in everything.read_text().splitlines()[0]
+    asked = ["--signals", "volume.volume", "--csv", str(some)]
+    assert main(["simulate", str(model), "--until", "0.1", *asked]) == 0
+    assert some.read_text().startswith("time [s],volume.volume [m3]\n")

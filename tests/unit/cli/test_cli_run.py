@@ -144,7 +144,6 @@ def test_the_steps_of_slaves_that_a_file_gives_are_used_where_an_algorithm_can(f
         ([], "--until: is not given, and the file does not say it"),
         (["--until", "0"], "--until: is not after the start (got 0.0); allowed: above 0 s"),
         (["--until", "1", "--step", "0"], "step: is not a duration (got 0.0)"),
-        (["--until", "1", "--plot", "x.foo"], "x.foo: cannot be drawn: Format 'foo' is not supported"),
         (["--until", "1", "--set", "mass.pul=3"], "mass.pul: no such variable. Did you mean 'mass.pull'"),
         (["--until", "1", "--set", "mass.pull=3 m"], "mass.pull: a quantity in 'm' cannot be given in 'N'"),
         (["--until", "1", "--set", "mass.mass=0"], "mass.mass: is out of its bounds (got 0.0); allowed: 0.1 to inf kg"),
@@ -241,3 +240,13 @@ def test_what_a_crash_has_left_is_recovered_and_said_to_be_cut_off(folder, tmp_p
     file.write_bytes(b"nothing of the kind\n")
     assert main(["recording", "convert", str(file), str(target)]) == 2
     assert "the first column is not the time" in capsys.readouterr().err
+
+
+def test_a_run_goes_on_from_a_saved_state_to_a_later_time_only(folder, tmp_path, capsys) -> None:
+    state = str(tmp_path / "half.state")
+    assert run(folder, "--until", "1", "--save", state, "--set", "mass.pull=1") == 0
+    assert "keeps its saved value" not in capsys.readouterr().err
+    assert run(folder, "--until", "2", "--resume", state) == 0
+    assert "1 input is not connected and keeps its saved value: mass.pull" in capsys.readouterr().err
+    assert run(folder, "--until", "1", "--resume", state) == 2
+    assert "--until: is not after the saved state (got 1.0); allowed: above 1 s" in capsys.readouterr().err

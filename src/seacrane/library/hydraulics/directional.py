@@ -13,7 +13,7 @@ from seacrane.library import symbols
 from seacrane.library.references import DISSERTATION, MERRITT
 from seacrane.model import BondGraph, Component, Hydraulic, SignalIn, initial, parameter
 from seacrane.numerics.regularise import limit, maximum, minimum, positive_part
-from seacrane.units import AngularSpeed, FlowRate, Pressure, Ratio, Time
+from seacrane.units import AngularFrequency, FlowRate, Pressure, Ratio, Time
 
 from .fluid import rated_flow, transition_pressure
 from .opening import ROUNDING
@@ -122,7 +122,7 @@ class StaticDirectionalValve43(DirectionalValve43, level="static"):
 class DynamicDirectionalValve43(DirectionalValve43, level="dynamic"):
     """The spool follows the command as a second-order lag: s'' + 2 zeta w_n s' + w_n^2 s = w_n^2 x."""
 
-    natural_frequency: AngularSpeed = parameter("natural frequency of the spool", above=0, most=1e4)
+    natural_frequency: AngularFrequency = parameter("natural frequency of the spool", above=0, most=1e4)
     damping: Ratio = parameter(
         "damping ratio of the spool",
         default=0.8,
@@ -147,7 +147,7 @@ class RateLimitedDirectionalValve43(DirectionalValve43, level="rate-limited"):
     last 1 % of the speed. Small steps show w_n, large ones T, as the data sheet of a pilot-operated valve gives both.
     """
 
-    natural_frequency: AngularSpeed = parameter("natural frequency of the spool", above=0, most=1e4)
+    natural_frequency: AngularFrequency = parameter("natural frequency of the spool", above=0, most=1e4)
     damping: Ratio = parameter(
         "damping ratio of the spool",
         default=0.8,

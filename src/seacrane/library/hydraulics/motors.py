@@ -9,7 +9,7 @@ from seacrane.library import symbols
 from seacrane.library.references import DISSERTATION, MERRITT
 from seacrane.model import BondGraph, Component, Hydraulic, Rotational, SignalIn, parameter
 from seacrane.numerics.regularise import limit, smooth_sign
-from seacrane.units import AngularSpeed, Displacement, Leakage, Pressure, Ratio, RotationalDamping, Torque
+from seacrane.units import Displacement, Leakage, Pressure, Ratio, RotationalDamping, ShaftSpeed, Torque
 
 from .fluid import transition_pressure
 
@@ -30,7 +30,7 @@ class _Motor(Component):
 
     displacement: Displacement = parameter("displacement", above=0, most=1e-2)
     count: Ratio = parameter("number of equal motors on the shaft", default=1, above=0, most=100)
-    friction_speed: AngularSpeed = parameter(
+    friction_speed: ShaftSpeed = parameter(
         "speed within which friction turns its sign",
         default=0.1,
         reason="1 rpm, below working speeds",
@@ -82,7 +82,7 @@ class _EfficiencyLosses(_Motor):
         most=1,
     )
     rated_pressure: Pressure = parameter("pressure drop of the rated point", above=0, most=1e8)
-    rated_speed: AngularSpeed = parameter("speed of the rated point", above=0, most=1e4)
+    rated_speed: ShaftSpeed = parameter("speed of the rated point", above=0, most=1e4)
     transition_pressure: Pressure = transition_pressure()
 
     def with_losses(self, m: Any, stroke: Any) -> Iterator[tuple[Any, Any]]:

@@ -15,13 +15,13 @@ from seacrane.library.references import DISSERTATION, MERRITT, WATTON
 from seacrane.model import BondGraph, Component, Hydraulic, Rotational, SignalIn, parameter
 from seacrane.numerics.regularise import limit, maximum, minimum, smooth_limit, smooth_sign
 from seacrane.units import (
-    AngularSpeed,
     Displacement,
     Leakage,
     Power,
     Pressure,
     Ratio,
     RotationalDamping,
+    ShaftSpeed,
     Time,
     Torque,
     bar,
@@ -52,7 +52,7 @@ class ConstantFlowPump(Pump, level="constant-flow"):
     """A fixed-displacement pump at constant speed: q_out = D w, whatever the pressure. Given p, gives q."""
 
     displacement: Displacement = parameter("displacement", above=0, most=1e-2)
-    speed: AngularSpeed = parameter("shaft speed", least=0, most=1e3)
+    speed: ShaftSpeed = parameter("shaft speed", least=0, most=1e3)
     bond_graph = BondGraph("supply: Sf", "supply |-> p")
     icon = symbols.PUMP_FIXED
 
@@ -84,7 +84,7 @@ class PressureControlledPump(Pump, level="pressure-controlled"):
     """
 
     displacement: Displacement = parameter("displacement", above=0, most=1e-2)
-    speed: AngularSpeed = parameter("shaft speed", least=0, most=1e3)
+    speed: ShaftSpeed = parameter("shaft speed", least=0, most=1e3)
     pressure: Pressure = parameter("pressure (gauge) at which the flow has gone", above=0, most=1e8)
     full_stroke: Pressure = parameter(
         "how far below it the stroke is full",
@@ -110,7 +110,7 @@ class VariableFlowPump(Pump, level="variable-flow"):
     """
 
     displacement: Displacement = parameter("displacement", above=0, most=1e-2)
-    speed: AngularSpeed = parameter("shaft speed", least=0, most=1e3)
+    speed: ShaftSpeed = parameter("shaft speed", least=0, most=1e3)
     least_stroke: Ratio = parameter("least stroke, of full", default=0.0, least=-1, most=0)
     ports = {"gain": SignalIn("1", "stroke, of full", minimum=-1, maximum=1), "p": Hydraulic("outlet")}
     bond_graph = BondGraph("supply: MSf", "supply |-> p, gain ~> supply")
@@ -135,7 +135,7 @@ class LoadSensingPump(Component):
     """
 
     displacement: Displacement = parameter("displacement", above=0, most=1e-2)
-    speed: AngularSpeed = parameter("shaft speed", least=0, most=1e3)
+    speed: ShaftSpeed = parameter("shaft speed", least=0, most=1e3)
     cut_off: Pressure = parameter("highest pressure (gauge), whatever the load", above=0, most=1e8)
     margin: Pressure = parameter(
         "pressure kept above that of the load",
@@ -213,7 +213,7 @@ class ShaftPump(Component):
     leakage: Leakage = parameter("leakage from outlet to suction", default=0.0, least=0, most=1e-6)
     viscous_friction: RotationalDamping = parameter("viscous friction", default=0.0, least=0, most=1e6)
     coulomb_friction: Torque = parameter("Coulomb friction torque", default=0.0, least=0, most=1e6)
-    friction_speed: AngularSpeed = parameter(
+    friction_speed: ShaftSpeed = parameter(
         "speed within which friction turns its sign",
         default=0.1,
         reason="1 rpm, below working speeds",

@@ -9,7 +9,7 @@ from typing import Any
 from seacrane.errors import Problem
 from seacrane.library import symbols
 from seacrane.model import BondGraph, Component, Rotational, initial, parameter
-from seacrane.units import AngularSpeed, Frequency, Inertia, Ratio, Torque, rpm
+from seacrane.units import Frequency, Inertia, Ratio, ShaftSpeed, Torque, rpm
 
 KLOSS = "M. Kloss, Drehmoment und Schluepfung des Drehstrommotors, Archiv fuer Elektrotechnik 5, 1916"
 
@@ -37,7 +37,7 @@ class ElectricMotor(Component):
         "pairs of poles", default=2, reason="1800 rpm at 60 Hz, as pumps like it", least=1, most=20
     )
     inertia: Inertia = parameter("inertia of rotor and coupling", above=0, most=1e6)
-    speed: AngularSpeed = initial("speed at the start", least=0, most=1e3)
+    speed: ShaftSpeed = initial("speed at the start", least=0, most=1e3)
     ports = {"shaft": Rotational("shaft")}
     bond_graph = BondGraph(
         "mains: Sf, field: 0, slip: R, rotor: 1, inertia: I",

@@ -7,6 +7,7 @@ import json
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
+from typing import Any
 from urllib.parse import urlsplit
 
 import httpx
@@ -177,22 +178,75 @@ def test_a_search_for_better_designs_tells_its_front_as_it_grows(tmp_path: Path)
         }
         async with desk(tmp_path) as client:
             nothing = (await client.get("api/design/optimise")).json()
-            assert nothing == {"running": False, "generations": 0, "front": None, "problems": []}
-            begun = await client.post("api/design/optimise", json=asked)
-            assert begun.json()["front"]["generation"] == 0
-            for _ in range(300):
-                told = (await client.get("api/design/optimise")).json()
-                if not told["running"]:
-                    break
-                await asyncio.sleep(0.1)
+            assert nothing == {"running": False, "generations": 0, "front": None, "stands": None, "problems": []}
+            begun = (await client.post("api/design/optimise", json=asked)).json()
+            assert begun["front"]["generation"] == 0
+            assert begun["stands"] == pytest.approx(begun["front"]["results"][0])
+            told = await ended(client)
             assert told["front"]["generation"] == 3
             assert any(told["front"]["best"])
+            assert told["stands"] == begun["stands"]
             await client.post("api/design/optimise", json={**asked, "generations": 500})
             stopped = (await client.post("api/design/optimise/stop")).json()
             assert stopped["running"] is False
             refused = await client.post("api/design/optimise", json={**asked, "goals": []})
             assert refused.status_code == 422
             assert "two goals or more" in refused.text
+            assert (await client.get("api/design/optimise")).json()["front"] is not None
+
+    asyncio.run(scenario())
+
+
+def test_a_search_goes_on_as_if_it_had_not_ended(tmp_path: Path) -> None:
+    async def scenario() -> None:
+        asked = {
+            "design": json.loads(design.to_json(design.load("offshore-100t"))),
+            "variables": [{"path": "links[jib].length"}],
+            "goals": [{"kind": "reach"}, {"kind": "weight"}],
+            "population": 4,
+        }
+        async with desk(tmp_path) as client:
+            refused = await client.post("api/design/optimise/resume", json={"generations": 3})
+            assert (refused.status_code, "no search" in refused.text) == (422, True)
+            await client.post("api/design/optimise", json={**asked, "generations": 3})
+            whole = await ended(client)
+            await client.post("api/design/optimise", json={**asked, "generations": 1})
+            await ended(client)
+            refused = await client.post("api/design/optimise/resume", json={"generations": 1})
+            assert (refused.status_code, "2 to 1000" in refused.text) == (422, True)
+            resumed = await client.post("api/design/optimise/resume", json={"generations": 3})
+            assert resumed.json()["front"]["generation"] == 1
+            assert await ended(client) == whole
+
+    asyncio.run(scenario())
+
+
+async def ended(client: httpx.AsyncClient) -> dict[str, Any]:
+    """What is told of a search once it runs no more."""
+    for _ in range(300):
+        told: dict[str, Any] = (await client.get("api/design/optimise")).json()
+        if not told["running"]:
+            return told
+        await asyncio.sleep(0.1)
+    pytest.fail("the search does not end")
+
+
+def test_a_design_is_given_with_other_sizes(tmp_path: Path) -> None:
+    async def scenario() -> None:
+        crane = design.load("offshore-100t")
+        data = json.loads(design.to_json(crane))
+        sizes = {"links[jib].length": 12.5, "cylinders[jib_cylinder].bore": 0.4}
+        async with desk(tmp_path) as client:
+            answer = await client.post("api/design/change", json={"design": data, "changes": sizes})
+            assert design.loads(answer.text) == design.changes.changed(crane, sizes)
+            for wrong, words in (
+                ({"links[jip].length": 12}, "no such link"),
+                ({"links[jib].length": -1}, "length"),
+                ({"links[jib].length": "long"}, "must be numbers in m"),
+                (["links[jib].length"], "must be numbers in m"),
+            ):
+                refused = await client.post("api/design/change", json={"design": data, "changes": wrong})
+                assert (refused.status_code, words in refused.text) == (422, True), refused.text
 
     asyncio.run(scenario())
 

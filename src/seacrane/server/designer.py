@@ -8,9 +8,12 @@
     POST api/design/import      a ZIP -> the design in it
     POST api/design/mesh?name=  a mesh of another program (STL, glTF; &unit= of an STL) -> the part that it is
     POST api/design/simulate    a design, a posture [rad], a load [kg] -> the address of its operation page
+    POST api/design/change      a design, changes {path: m} -> the design with these sizes (see `design.changes`)
     POST api/design/optimise    a design, variables, goals, generations, population -> the search begins
-    GET  api/design/optimise    {running, generations, front, problems}: the front so far (see `studies`)
+    GET  api/design/optimise    {running, generations, front, stands, problems}: the front so far (see `studies`), and
+                                what the crane that the search began with reaches in each goal
     POST api/design/optimise/stop
+    POST api/design/optimise/resume   generations in all -> the search goes on from its front
 
 A request that is wrong gets 422 with all problems; each as path, message, value, allowed, hint.
 """
@@ -20,13 +23,14 @@ from __future__ import annotations
 import asyncio
 import hmac
 import json
+import math
 import secrets
 import signal
 import tempfile
 import threading
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeGuard
 
 import msgspec
 from starlette.applications import Starlette
@@ -111,9 +115,11 @@ class Desk:
             Route("/api/design/import", _told(self._import), methods=["POST"]),
             Route("/api/design/mesh", _told(self._mesh), methods=["POST"]),
             Route("/api/design/simulate", _told(self._simulate), methods=["POST"]),
+            Route("/api/design/change", _told(self._change), methods=["POST"]),
             Route("/api/design/optimise", _told(self._optimise), methods=["POST"]),
             Route("/api/design/optimise", self._front_so_far),
             Route("/api/design/optimise/stop", self._stop_search, methods=["POST"]),
+            Route("/api/design/optimise/resume", _told(self._resume), methods=["POST"]),
         ]
         if (self._page / "designer.html").is_file():
             routes.append(Mount("/", StaticFiles(directory=self._page, html=True)))
@@ -188,18 +194,44 @@ class Desk:
             self._simulation = simulation
         return JSONResponse({"address": simulation.address_with_token})
 
+    async def _change(self, request: Request) -> Response:
+        asked = _object(await _body(request, LARGEST_DESIGN))
+        crane = design.loads(json.dumps(asked.get("design")))
+        changes = asked.get("changes")
+        if not isinstance(changes, dict) or not all(_number(size) and math.isfinite(size) for size in changes.values()):
+            raise DesignError.at("changes", "must be numbers in m, by path", allowed=design.changes.PATHS)
+        return _design(design.changes.changed(crane, changes))
+
     async def _optimise(self, request: Request) -> Response:
         asked = _object(await _body(request, LARGEST_DESIGN))
         crane = design.loads(json.dumps(asked.get("design")))
         variables, goals = studies.specification(asked, crane)
         generations, population = asked.get("generations", 50), asked.get("population", 40)
-        if not all(isinstance(n, int) and 1 <= n <= 1000 for n in (generations, population)):
+        if not (_count(generations) and _count(population)):
             raise ParameterError.at("generations, population", "must be whole numbers", allowed="1 to 1000")
         search = studies.optimise(crane, variables, goals, population=population, generations=generations)
-        self._search.stop()
-        self._search = _Search(search, generations)
-        await asyncio.to_thread(self._search.begin)
+        await self._begin(search, generations)
         return await self._front_so_far(request)
+
+    async def _resume(self, request: Request) -> Response:
+        generations = _object(await _body(request, LARGEST_DESIGN)).get("generations")
+        front = self._search.front
+        if front is None:
+            raise ParameterError.at("optimisation", "no search has been begun that could go on")
+        if not _count(generations) or generations <= front.generation:
+            allowed = f"{front.generation + 1} to 1000"
+            raise ParameterError.at("generations", "must be more than there are", value=generations, allowed=allowed)
+        search = studies.optimise(front.crane, (), (), generations=generations, state=front)
+        await self._begin(search, generations)
+        return await self._front_so_far(request)
+
+    async def _begin(self, fronts: Iterator[Front], generations: int) -> None:
+        """Let a search take the place of the one before, unless it is refused."""
+        search = _Search(fronts, generations)
+        await asyncio.to_thread(search.judge)
+        self._search.stop()
+        self._search = search
+        search.go_on()
 
     async def _front_so_far(self, request: Request) -> Response:
         search = self._search
@@ -208,6 +240,7 @@ class Desk:
                 "running": search.running,
                 "generations": search.generations,
                 "front": None if search.front is None else plain(search.front),
+                "stands": search.stands,
                 "problems": [] if search.error is None else _problems(search.error),
             }
         )
@@ -223,15 +256,20 @@ class _Search:
     def __init__(self, fronts: Iterator[Front], generations: int) -> None:
         self.generations = generations
         self.front: Front | None = None
+        self.stands: list[float] | None = None
         self.error: SeacraneError | None = None
         self.running = False
         self._fronts = fronts
         self._stopped = threading.Event()
 
-    def begin(self) -> None:
-        """Judge the first candidates, so that what cannot be searched is refused here; go on in a thread."""
-        self.front = next(self._fronts, None)
-        self.running = self.front is not None
+    def judge(self) -> None:
+        """Judge the first candidates, so that what cannot be searched is refused here."""
+        self.front = next(self._fronts)
+        self.stands = studies.judged(self.front.crane, self.front.wanted)
+
+    def go_on(self) -> None:
+        """Search in a thread."""
+        self.running = True
         threading.Thread(target=self._run, name="design search", daemon=True).start()
 
     def stop(self) -> None:
@@ -313,6 +351,10 @@ def _object(content: bytes) -> dict[str, Any]:
 
 def _number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _count(value: object) -> TypeGuard[int]:
+    return isinstance(value, int) and not isinstance(value, bool) and 1 <= value <= 1000
 
 
 def _design(crane: Crane) -> Response:

@@ -4,7 +4,7 @@
 // The last joint runs in the innermost loop. All that it moves is tabulated once in the frame of the link before it,
 // so that a posture costs no trigonometry, only a turn of the tables.
 import { ORIGIN, type PlaneJoint, type Pose, planar, pointX, pointZ, posed, retracted, type Span, span } from "./plane";
-import { type Crane, type Cylinder, GRAVITY, type Mode } from "./types";
+import { type Attachment, type Crane, type Cylinder, GRAVITY, type Mode } from "./types";
 
 const STROKE_MARGIN = 0.01;
 const LEAST_HANG = 1.0;
@@ -149,7 +149,9 @@ class Sweep {
   private readonly held: readonly Held[];
   private readonly rope: readonly Span[];
   private readonly cylinders: readonly Span[];
-  private readonly tables = new Map<string, Float64Array>();
+  private readonly tip: Float64Array;
+  private readonly mass: Float64Array;
+  private readonly tables = new Map<Attachment, Float64Array>();
   // Of the row, for each posture: what each joint bears of the crane [N.m] and of a newton on the hook, plumb and by its lead [m].
   private readonly own: Float64Array[];
   private readonly plumb: Float64Array[];
@@ -193,6 +195,10 @@ class Sweep {
         high: moment,
       })),
     ];
+    const end = hoist.sheaves[hoist.sheaves.length - 1];
+    const { com } = crane.links[this.last.link];
+    this.tip = this.table(end.x, end.z);
+    this.mass = this.table(com[0], com[2]);
     const row = () => new Float64Array(this.inner);
     this.own = joints.map(row);
     this.plumb = joints.map(row);
@@ -230,11 +236,15 @@ class Sweep {
     return this.poses[this.last.link - 1] ?? ORIGIN;
   }
 
+  /** The table of a pin on the last link, made once. */
+  private pin(at: Attachment): Float64Array {
+    const kept = this.tables.get(at) ?? this.table(at.x, at.z);
+    this.tables.set(at, kept);
+    return kept;
+  }
+
   /** A point of the last link and its derivative, in the frame of the link before: x, z, dx, dz for each coordinate. */
   private table(x: number, z: number): Float64Array {
-    const key = `${x} ${z}`;
-    const kept = this.tables.get(key);
-    if (kept) return kept;
     const { joint, turns, sign, slideX, slideZ } = this.last;
     const [ox, , oz] = joint.origin;
     const values = new Float64Array(4 * this.inner);
@@ -246,23 +256,12 @@ class Sweep {
         values.set([ox + tx, oz + tz, -sign * tz, sign * tx], 4 * j);
       } else values.set([ox + x + q * slideX, oz + z + q * slideZ, slideX, slideZ], 4 * j);
     }
-    this.tables.set(key, values);
     return values;
-  }
-
-  private get tipTable(): Float64Array {
-    const end = this.crane.hoist.sheaves[this.crane.hoist.sheaves.length - 1];
-    return this.table(end.x, end.z);
-  }
-
-  private get massTable(): Float64Array {
-    const { com } = this.crane.links[this.last.link];
-    return this.table(com[0], com[2]);
   }
 
   /** Where the tip and the last link's centre of mass are. */
   private place(x: Float64Array, z: Float64Array): void {
-    const { inner, massX, massZ, tipTable: tip, massTable: mass } = this;
+    const { inner, massX, massZ, tip, mass } = this;
     const { x: px, z: pz, c, s } = this.parent;
     for (let j = 0, t = 0; j < inner; j += 1, t += 4) {
       x[j] = px + c * tip[t] - s * tip[t + 1];
@@ -285,7 +284,7 @@ class Sweep {
     const { turns, sign } = joints[k];
     const weight = GRAVITY * lastMass;
     if (k === this.n - 1) {
-      const { tipTable: tip, massTable: mass } = this;
+      const { tip, mass } = this;
       const { c, s } = this.parent;
       const [a, b] = [u0 * c + u1 * s, u1 * c - u0 * s];
       for (let j = 0, t = 2; j < inner; j += 1, t += 4) {
@@ -324,7 +323,7 @@ class Sweep {
 
   /** How the load's lead outboard changes the lever of each joint. */
   private leads(x: Float64Array, z: Float64Array): void {
-    const { inner, leading, crane, mode, n, tipTable: tip } = this;
+    const { inner, leading, crane, mode, n, tip } = this;
     const [u0, u1] = this.up;
     const offlead = 2.5 + 1.5 * mode.waveHeight;
     for (let j = 0; j < inner; j += 1) leading[j] = offlead / Math.max(z[j] + crane.pedestal[2], LEAST_HANG);
@@ -400,7 +399,7 @@ class Sweep {
     }
     if (k === n - 1) return this.byLast(item);
     const [ix, iz] = [pointX(base, item.inner.x, item.inner.z), pointZ(base, item.inner.x, item.inner.z)];
-    const pin = this.table(item.outer.x, item.outer.z);
+    const pin = this.pin(item.outer);
     const { x: px, z: pz, c, s } = this.parent;
     for (let j = 0, t = 0; j < inner; j += 1, t += 4) {
       const [ox, oz] = [px + c * pin[t] - s * pin[t + 1], pz + s * pin[t] + c * pin[t + 1]];
@@ -427,7 +426,7 @@ class Sweep {
       const [gx, gz] = [pointX(base, bx, bz) - x, pointZ(base, bx, bz) - z];
       [bx, bz] = [gx * c + gz * s, gz * c - gx * s];
     }
-    const pin = this.table(item.outer.x, item.outer.z);
+    const pin = this.pin(item.outer);
     const values = fixed ? reach(this.inner) : this.scratch;
     for (let j = 0, t = 0; j < this.inner; j += 1, t += 4) {
       const [ex, ez] = [pin[t] - bx, pin[t + 1] - bz];
@@ -523,15 +522,11 @@ class Sweep {
         : (carried * hoist.rope.breaking_load) / (hoist.rope.safety_factor ?? SAFETY_FACTOR),
       hoist.line_pull == null ? null : carried * hoist.line_pull,
     ].filter((value) => value !== null);
-    for (const constant of constants) {
-      for (let j = 0; j < inner; j += 1)
-        if (constant < borne[j]) {
-          borne[j] = constant;
-          governs[j] = index;
-        }
-      index += 1;
-    }
-    const factor = rating?.harbour_factor ?? 1;
+    const constant = Math.min(Number.POSITIVE_INFINITY, ...constants);
+    const constantIndex = index + constants.indexOf(constant);
+    index += constants.length;
+    const perBorne = 1 / GRAVITY / (rating?.harbour_factor ?? 1);
+    const moments = rating?.load_moment != null || rating?.heeling_moment != null;
     const hook = hoist.hook_mass ?? 0;
     const speed = (0.5 * hoist.speed) / falls + meetingSpeed(crane, mode);
     const loadMoment = rating?.load_moment ?? Number.POSITIVE_INFINITY;
@@ -539,22 +534,29 @@ class Sweep {
     const heelingIndex = rating?.load_moment == null ? index : index + 1;
     const aside = Math.abs(crane.pedestal[1]);
     for (let j = 0; j < inner; j += 1) {
-      let mass = borne[j] / GRAVITY / factor;
-      if (atSea && borne[j] < Number.POSITIVE_INFINITY) {
+      let most = borne[j];
+      if (constant < most) {
+        most = constant;
+        governs[j] = constantIndex;
+      }
+      let mass = most * perBorne;
+      if (atSea && most < Number.POSITIVE_INFINITY) {
         const impact = (speed * Math.sqrt(1 / compliance[j])) / GRAVITY;
-        const root = 0.5 * (Math.sqrt(impact * impact + (4 * borne[j]) / GRAVITY) - impact);
+        const root = 0.5 * (Math.sqrt(impact * impact + (4 * most) / GRAVITY) - impact);
         mass = Math.min(mass, root * root);
       }
-      const reach = Math.max(x[j], 1e-9);
-      const moment = loadMoment / reach / GRAVITY;
-      if (moment < mass) {
-        mass = moment;
-        governs[j] = index;
-      }
-      const heeling = heelingMoment / (reach + aside) / GRAVITY;
-      if (heeling < mass) {
-        mass = heeling;
-        governs[j] = heelingIndex;
+      if (moments) {
+        const reach = Math.max(x[j], 1e-9);
+        const moment = loadMoment / reach / GRAVITY;
+        if (moment < mass) {
+          mass = moment;
+          governs[j] = index;
+        }
+        const heeling = heelingMoment / (reach + aside) / GRAVITY;
+        if (heeling < mass) {
+          mass = heeling;
+          governs[j] = heelingIndex;
+        }
       }
       load[j] = mass > hook ? mass - hook : 0;
     }

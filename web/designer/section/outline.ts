@@ -1,4 +1,5 @@
 // Parts as seen from the side, in the plane of their link.
+import { decoded } from "../../core/design/mesh";
 import type { Point } from "../../core/design/plane";
 import type { Part } from "../../core/design/types";
 
@@ -55,6 +56,8 @@ export function outline(part: Part): Outline[] {
       return [round(part.x, part.z, part.radius), round(part.x, part.z, part.radius - part.groove)];
     case "drum":
       return [round(part.x, part.z, part.flange), round(part.x, part.z, part.radius)];
+    case "mesh":
+      return [{ points: hull(decoded(part.surface).vertices) }];
     case "box": {
       const [x, , z] = part.centre;
       const [w, h] = [0.5 * part.size[0], 0.5 * part.size[2]];
@@ -74,4 +77,24 @@ export function outline(part: Part): Outline[] {
 
 function round(x: number, z: number, radius: number): Outline {
   return { points: [], circle: [x, z, Math.max(radius, 0)] };
+}
+
+/** The convex hull of vertices seen along y (monotone chain). */
+function hull(vertices: Float64Array): Point[] {
+  const points: Point[] = [];
+  for (let i = 0; i < vertices.length; i += 3) points.push([vertices[i], vertices[i + 2]]);
+  points.sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+  const half = (sorted: readonly Point[]) => {
+    const chain: Point[] = [];
+    for (const p of sorted) {
+      while (chain.length > 1) {
+        const [a, b] = chain.slice(-2);
+        if ((b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]) > 0) break;
+        chain.pop();
+      }
+      chain.push(p);
+    }
+    return chain.slice(0, -1);
+  };
+  return [...half(points), ...half([...points].reverse())];
 }

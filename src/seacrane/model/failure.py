@@ -30,6 +30,9 @@ BURST = 2000e5
 DEEP = 1e-3
 """[m] beyond its stroke: more than an end stop yields in service."""
 
+EMPTY, FULL = 1.5e-3, 0.975
+"""Shares of an accumulator's volume between which its oil is: the port has seated below, the gas gives way above."""
+
 ABSURD = 1e6
 """A state beyond this many nominal values is on its way to infinity, and says nothing any more."""
 
@@ -143,6 +146,27 @@ def _before_the_stop(variable: Variable, parameters: Mapping[str, float]) -> str
     return "This level has no end stops: brake earlier, or take the level 'extended'."
 
 
+def _shell(variable: Variable, parameters: Mapping[str, float]) -> float | None:
+    """The volume [m3] of the accumulator that the state is the oil of, or None."""
+    owner, _, name = variable.name.rpartition(".")
+    is_oil = name == "oil" and f"{owner}.precharge" in parameters
+    return parameters.get(f"{owner}.volume") if is_oil else None
+
+
+def _beyond_the_shell(v: Variable, times: Reals, values: Reals, shell: float) -> Iterator[Problem]:
+    """Where an accumulator was drawn below empty, or its gas squeezed to less than its law goes."""
+    room = f"its {with_unit(f'{shell * 1e3:g}', 'l')}"
+    if at := _first(values < -EMPTY * shell):
+        message = f"is drawn below empty from t = {times[at[0]]:g} s on, by up to {_shown(v, -float(np.min(values)))}"
+        yield Problem(
+            v.name, message, hint="Take a larger accumulator, more oil at the start, or let oil in elsewhere."
+        )
+    if at := _first(values > FULL * shell):
+        message = f"leaves the gas no room in {room} from t = {times[at[0]]:g} s on, with up to "
+        hint = "Take a larger accumulator or a higher precharge, or a relief valve beside it."
+        yield Problem(v.name, message + _shown(v, float(np.max(values))), hint=hint)
+
+
 def _is_pressure(variable: Variable) -> bool:
     """Whether it is a pressure of oil; a signal or a difference in pascal is none."""
     name = variable.name.rpartition(".")[2]
@@ -169,6 +193,8 @@ def doubts(dae: Dae, times: Reals, seen: Mapping[str, Reals], settings: Mapping[
                 message = f"is beyond its stroke of 0 to {stroke:g} m from t = {times[at[0]]:g} s on"
                 most = f", by up to {np.max(beyond):.4g} m"
                 yield Problem(v.name, message + most, hint=_before_the_stop(v, parameters))
+        elif (shell := _shell(v, parameters)) is not None:
+            yield from _beyond_the_shell(v, times, values, shell)
         elif _is_pressure(v) and (at := _first(values < VACUUM)):
             message = (
                 f"is at or below vacuum from t = {times[at[0]]:g} s on, down to {_shown(v, float(np.min(values)))}"

@@ -230,3 +230,20 @@ def test_a_temperature_keeps_its_unit_in_an_fmu(tmp_path):
     description = fmi.read(tmp_path / "gas.fmu")
     (kelvin,) = [unit for unit in description.units if unit.name == "K"]
     assert {base: n for base, n in kelvin.exponents.items() if n} == {"K": 1}
+
+
+@pytest.mark.parametrize("level", list(hyd.GasAccumulator.levels))
+def test_a_run_that_overfills_an_accumulator_or_draws_it_empty_says_so(level):
+    def run(flow):
+        diagram = Diagram("bottle")
+        bottle = diagram.add("bottle", accumulator(level, volume=10 * l, precharge=5 * bar, oil=5.003 * l))
+        source = diagram.add("source", hyd.FlowInput())
+        diagram.connect(source.p, bottle.a)
+        diagram.expose(flow=source.set)
+        return [str(problem) for problem in simulate(diagram, until=10.0, inputs={"flow": flow}).doubts]
+
+    assert run(0.4 * l) == run(-0.4 * l) == []
+    (full,) = run(1 * l)
+    assert full.startswith("bottle.oil: leaves the gas no room in its 10 l from t = 4.75 s on, with up to 15")
+    (empty,) = run(-1 * l)
+    assert empty.startswith("bottle.oil: is drawn below empty from t = 5.02 s on, by up to 4.997 l. Take a larger")

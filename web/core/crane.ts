@@ -1,13 +1,14 @@
 // Kinematics of a crane from its design: link frames, cylinder pins, points of attachment. Everything in the frame of
 // the crane foot (centre of the slew ring, fixed to the ship: x forward, y port, z up).
 import type { Attachment, CraneDesign, Cylinder, Vec3 } from "../rpc/messages";
+import { FOOT } from "./design/types";
 import { apply, compose, distance, type Frame, IDENTITY, rotation } from "./frames";
 
 export type JointValues = Readonly<Record<string, number>>;
 
-/** Frame of every link by name; a joint without a value stands at zero. */
+/** Frame of every link by name, and of the foot; a joint without a value stands at zero. */
 export function linkFrames(crane: CraneDesign, q: JointValues): Map<string, Frame> {
-  const frames = new Map<string, Frame>();
+  const frames = new Map<string, Frame>([[FOOT, IDENTITY]]);
   let frame = IDENTITY;
   for (const { name, joint } of crane.links) {
     const value = q[joint.name] ?? 0;

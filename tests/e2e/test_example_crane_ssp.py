@@ -1,5 +1,6 @@
 """The crane as an SSP archive: it runs as the plant it was made of, and other tools read it."""
 
+import json
 import runpy
 from pathlib import Path
 
@@ -43,6 +44,23 @@ def test_the_archive_runs_from_the_command_line_as_the_plant_does_in_python(arch
     assert np.rad2deg(np.ptp(recording["crane.luff"])) > 0.5
     for name in SIGNALS:
         np.testing.assert_allclose(recording[name], expected[name], rtol=1e-9)
+
+
+def test_the_bond_that_limits_the_step_is_found_from_the_command_line(archive: Path, tmp_path: Path, capsys) -> None:
+    options = ["--until", "0.5", "--steps", "0.002,0.004,0.008", "--algorithms", "gauss-seidel,newton"]
+    moved = ["--set", "spool.boom=0.5", "--set", "spool.winch=0.3"]
+    files = ["--json", str(tmp_path / "d.json"), "--plot", str(tmp_path / "d.svg")]
+    assert main(["diagnose", str(archive), *options, *moved, *files]) == 0
+    said = capsys.readouterr().out
+    assert "The bond winch_bond limits the step" in said
+    assert "no power passed through foot_x" in said
+    found = json.loads((tmp_path / "d.json").read_text())
+    assert found["limiting_bond"] == "winch_bond"
+    assert {t["algorithm"] for t in found["trials"]} == {"gauss-seidel", "newton"}
+    assert (tmp_path / "d.svg").stat().st_size > 10_000
+
+    assert main(["diagnose", str(archive), "--until", "0.5", "--algorithms", "newtn"]) == 2
+    assert "Did you mean 'newton'?" in capsys.readouterr().err
 
 
 def test_fmpy_finds_the_schema_kept_and_every_part_in_its_place(archive: Path) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from seacrane import __version__
 from seacrane.errors import SeacraneError
 
-from . import demo, design, designer, fmu, model, recording, run, simulate
+from . import demo, design, designer, diagnose, fmu, model, recording, run, simulate
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -41,6 +41,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"seacrane {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    for command in (demo, run, recording, simulate, model, fmu, design, designer):
+    for command in (demo, run, diagnose, recording, simulate, model, fmu, design, designer):
         command.add(commands)
     return parser

@@ -73,9 +73,9 @@ def _run(options: argparse.Namespace) -> int:
     if name not in cosim.ALGORITHMS:
         allowed = ", ".join(cosim.ALGORITHMS)
         raise CosimError.at("--algorithm", "there is no such algorithm", value=name, allowed=allowed)
-    settings = _settings(system, options.set)
+    settings = settings_of(system, options.set)
     signals = _signals(system, options.signals)
-    _tell(system, settings, "saved" if options.resume else "start")
+    tell_surprises(system, settings, "saved" if options.resume else "start")
     with cosim.Execution(system, _algorithm(name, step, experiment), start=experiment.start) as run:
         for variable, value in settings.items():
             run.set(variable, value)
@@ -157,7 +157,7 @@ def _needed(given: float | None, of_file: float | None, option: str) -> float:
     return value
 
 
-def _settings(system: System, texts: list[str]) -> dict[str, float]:
+def settings_of(system: System, texts: list[str]) -> dict[str, float]:
     """Values by variable or connector, each in its unit."""
     values: dict[str, float] = {}
     problems: list[Problem] = []
@@ -211,7 +211,7 @@ def _behind(system: System, connector: str) -> Iterator[str]:
             yield link.source if system.level.connectors[connector].kind == "output" else link.target
 
 
-def _tell(system: System, settings: Mapping[str, float], of: str) -> None:
+def tell_surprises(system: System, settings: Mapping[str, float], of: str) -> None:
     """What may surprise: notes of the reader, and inputs that nothing drives."""
     for note in system.notes:
         print(f"seacrane: {note}", file=sys.stderr)

@@ -26,6 +26,7 @@ from seacrane.cosim.algorithms import (
     StepDoubling,
 )
 from seacrane.cosim.bonds import BondReport
+from seacrane.cosim.diagnosis import BondDiagnosis, BondTrial, Diagnosis, Trial, diagnose
 from seacrane.cosim.execution import Execution, Usage
 from seacrane.cosim.files import load
 from seacrane.cosim.fmu import FmuSlave
@@ -53,11 +54,14 @@ __all__ = [
     "ArrowRecorder",
     "Below",
     "Bond",
+    "BondDiagnosis",
     "BondReport",
+    "BondTrial",
     "Condition",
     "Connection",
     "Connector",
     "CsvRecorder",
+    "Diagnosis",
     "Event",
     "Execution",
     "Experiment",
@@ -94,7 +98,9 @@ __all__ = [
     "Stop",
     "System",
     "Transformation",
+    "Trial",
     "Usage",
+    "diagnose",
     "load",
     "read_osp",
     "read_ssp",

@@ -19,6 +19,7 @@ from seacrane.cosim.actions import Action, Manipulator, Names, Set, check_action
 from seacrane.cosim.algorithms import NANOSECONDS, Algorithm, nanoseconds
 from seacrane.cosim.bonds import ACCOUNT, SIGNALS, BondReport
 from seacrane.cosim.faults import explained, too_late
+from seacrane.cosim.loopgain import loop_gains
 from seacrane.cosim.loops import DONE, FAULT, Fault, Loop, append
 from seacrane.cosim.native_loop import NativeLoop
 from seacrane.cosim.observers import ArrowRecorder, CsvRecorder, MemoryRecorder, Observer
@@ -190,6 +191,14 @@ class Execution:
             account = self._plan.values[bond.account : bond.account + len(ACCOUNT)]
             reports[bond.name] = BondReport(**{q: float(account[ACCOUNT.index(q)]) for q in SIGNALS})
         return reports
+
+    def loop_gains(self, step: float, sizes: Mapping[str, float]) -> dict[str, float]:
+        """For each bond, by how much a change is multiplied when it goes once around it in a step of `step` seconds.
+
+        Measured at the slaves as they stand now, which are then back where they were; see `seacrane.cosim.loopgain`.
+        """
+        self._require_started()
+        return loop_gains(self._plan, step, sizes)
 
     def steps_to(self, until: float) -> int:
         """How many macro steps lead to the first communication point at or after `until` [s]."""

@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -28,10 +28,7 @@ from seacrane.cosim.execution import Execution
 from seacrane.cosim.slave import Vector
 from seacrane.cosim.system import System
 from seacrane.errors import CosimError, Problem, SeacraneError, nearest
-from seacrane.results import Recording
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from seacrane.results import Recording, sweeps
 
 SWEPT: Final = ("jacobi", "jacobi-linear", "gauss-seidel", "gauss-seidel-linear", "newton", "power-residual")
 """The algorithms that are tried, unless others are given, by their names in `ALGORITHMS`."""
@@ -47,6 +44,9 @@ UNSTABLE = 1.0
 
 ALIKE = 1.2
 """CPU times within this factor are not told apart."""
+
+DRAWN = 8
+"""Bonds of the largest loop gain that are drawn."""
 
 POINTS = 6
 """Of the reference, at which loop gains are measured."""
@@ -152,11 +152,25 @@ class Diagnosis:
 
         return text(self)
 
-    def figure(self) -> Figure:
-        """Error over macro step and over cost, one curve for each algorithm, and the loop gains of the bonds."""
-        from seacrane.cosim.diagnosis_report import figure
+    def figure(self) -> Any:
+        """Error over macro step and over cost, one curve for each algorithm, and the loop gains of the bonds.
 
-        return figure(self)
+        A matplotlib figure that belongs to no window; `figure.savefig(path)` writes it.
+        """
+        best = self.recommended
+        runs = {
+            name: [(t.step, t.cpu_s / self.until, 100 * t.error if t.stable else None) for t in self.of(name)]
+            for name in dict.fromkeys(t.algorithm for t in self.trials)
+        }
+        strongest = sorted(self.bonds, key=lambda b: -max(b.gains.values(), default=0.0))
+        return sweeps.error_and_cost(
+            runs,
+            "error [% of the range]",
+            tolerance=100 * self.tolerance,
+            chosen=(best.cpu_s / self.until, 100 * best.error) if best else None,
+            gains={b.name: b.gains for b in strongest[:DRAWN] if any(b.gains.values())},
+            title=f"{self.system}: error of the coupling (crosses: unstable; ringed: to be taken)",
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON: all that was measured, SI; numbers that are not finite are null."""

@@ -1,4 +1,4 @@
-"""A diagnosis in words and as a picture."""
+"""A diagnosis in words."""
 
 from __future__ import annotations
 
@@ -6,11 +6,7 @@ from collections.abc import Iterator
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from seacrane.cosim.diagnosis import BondDiagnosis, Diagnosis, Trial
 
 WEAK = 0.1
@@ -26,7 +22,6 @@ LONGEST = 160
 """Letters of a message that are shown."""
 
 
-# ---------------------------------------------------------------- in words
 def text(found: Diagnosis) -> str:
     """The table of runs, the table of bonds, and what follows from them."""
     said = (line for sentence in _verdict(found) for line in wrap(sentence, WIDTH, subsequent_indent="    "))
@@ -195,46 +190,3 @@ def _si(value: float, unit: str) -> str:
         if value >= factor:
             return f"{value / factor:.3g} {prefix}{unit}"
     return f"{value:.2g} {unit}"
-
-
-# ---------------------------------------------------------------- as a picture
-def figure(found: Diagnosis) -> Figure:
-    """Error over macro step, error over cost with the tolerance, and loop gains over macro step where there are any."""
-    from matplotlib.figure import Figure
-
-    gains = [b for b in found.bonds if b.gains and max(b.gains.values()) > 0]
-    picture = Figure(figsize=(9.0, 4.2 if not gains else 7.6), layout="constrained")
-    grid = picture.add_gridspec(2 if gains else 1, 2)
-    left, right = picture.add_subplot(grid[0, 0]), picture.add_subplot(grid[0, 1])
-    for i, name in enumerate(dict.fromkeys(t.algorithm for t in found.trials)):
-        runs = [t for t in found.of(name) if t.stable]
-        style = {"marker": "osD^vP*X"[i % 8], "label": name, "color": f"C{i}"}
-        errors = [max(100 * t.error, 1e-9) for t in runs]
-        left.loglog([1e3 * t.step for t in runs], errors, **style)
-        cost = sorted(zip([t.cpu_s / found.until for t in runs], errors, strict=True))
-        right.loglog(*np.array(cost).reshape(-1, 2).T, **style)
-        lost = [1e3 * t.step for t in found.of(name) if not t.stable]
-        left.plot(lost, [100.0] * len(lost), linestyle="", marker="x", color=f"C{i}")
-    for ax, label in ((left, "macro step [ms]"), (right, "CPU time / simulated time")):
-        ax.axhline(100 * found.tolerance, color="black", linewidth=0.8, linestyle="--")
-        ax.set_xlabel(label)
-        ax.set_ylabel("error [% of range]")
-        ax.grid(True, which="both", alpha=0.3)
-    left.legend(fontsize="small", title="crosses: unstable", title_fontsize="x-small")
-    best = found.recommended
-    if best is not None:
-        right.plot(
-            [best.cpu_s / found.until], [100 * best.error], marker="o", markersize=14, fillstyle="none", color="black"
-        )
-    if gains:
-        below = picture.add_subplot(grid[1, :])
-        for bond in sorted(gains, key=lambda b: -max(b.gains.values()))[:8]:
-            points = [(1e3 * h, g) for h, g in sorted(bond.gains.items()) if g > 0]
-            below.loglog(*zip(*points, strict=True), marker=".", label=bond.name)
-        below.axhline(1.0, color="black", linewidth=0.8, linestyle="--")
-        below.set_xlabel("macro step [ms]")
-        below.set_ylabel("loop gain of the bond")
-        below.grid(True, which="both", alpha=0.3)
-        below.legend(fontsize="small")
-    picture.suptitle(f"{found.system}: error of the coupling; dashed: tolerated, and a gain of 1; ringed: to be taken")
-    return picture

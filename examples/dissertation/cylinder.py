@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from seacrane.library import hydraulics as hyd
 from seacrane.library import mechanics as mech
 from seacrane.library import signals as sig
-from seacrane.model import Diagram, Part
+from seacrane.model import Component, Diagram, Part
 from seacrane.units import GRAVITY, bar, l, l_min, mm
 
 
@@ -107,19 +107,23 @@ def controlled(
     gains: Gains | None = None,
     *,
     own_pump: bool = True,
+    load: Component | None = None,
     **shared: float,
 ) -> Diagram:
     """The drive with its load on the rod, and a controller that makes the piston follow a sine.
+
+    The load is a mass unless another one is given by its component. Where that is the motion of a partner, the drive
+    takes `velocity` and `position` and gives the `force` of the rod.
 
     Observables to look at: `cylinder.extension` and its reference `displacement.y`.
     """
     d, sine, g = d or Drive(), sine or Sine(), gains or Gains()
     drive = Diagram(f"{level}_drive", **{"bulk_modulus": 1.0e9, **shared})
     valve, part = add_circuit(drive, d, level, own_pump=own_pump)
-    mass = drive.add("mass", mech.Mass(mass=d.load, gravity=GRAVITY))
+    on_rod = drive.add("load" if load else "mass", load or mech.Mass(mass=d.load, gravity=GRAVITY))
     probe = drive.add("probe", mech.ForceInput(position=d.start))  # without force: it measures
     nothing = drive.add("nothing", sig.Constant(value=0.0, unit="N"))
-    drive.connect(part.rod, mass.flange, probe.flange)
+    drive.connect(part.rod, on_rod.flange, probe.flange)
     drive.connect(nothing.y, probe.F)
 
     rate = 2 * math.pi / sine.period * sine.amplitude
@@ -150,4 +154,6 @@ def controlled(
     drive.connect(forward.y, spool.u2)
     drive.connect(spool.y, jump.u)
     drive.connect(jump.y, valve.x)
+    if isinstance(load, mech.MotionInput):
+        drive.expose(velocity=on_rod.v, position=on_rod.x, force=on_rod.F)
     return drive

@@ -1,8 +1,8 @@
 """A crane boom on the cylinder drive (cylinder.py): whole, and split at the rod into two units.
 
-The boom turns about a pin; the cylinder, whose barrel has its pin below, pushes on it. Its length l(q) is the constraint
-between them: the rod moves with v = dl/dq dq/dt and a force F on it turns the boom with F dl/dq. The dissertation prints
-no sizes of its boom: these make it as heavy for the rod as the load of the drive alone.
+The boom turns about a pin; the cylinder, whose barrel has its pin below, pushes on it. Its length l(q) is the
+constraint between them: the rod moves with v = dl/dq dq/dt and a force F on it turns the boom with F dl/dq. The
+dissertation prints no sizes of its boom: these give it an inertia at the rod like that of the load of the drive alone.
 """
 
 from __future__ import annotations

@@ -17,6 +17,7 @@ from .arguments import Commands, output, picture, save_figure
 
 if TYPE_CHECKING:
     from seacrane.cosim import Algorithm, Execution, Experiment, Pace, System
+    from seacrane.results import Recording
 
 _MOST_NAMED, _MOST_PLOTTED = 8, 12
 
@@ -103,8 +104,7 @@ def _run(options: argparse.Namespace) -> int:
         finally:
             if options.plot and len(recorder.recording()) > 1:
                 recording = recorder.recording()
-                names = signals or list(recording.signals)
-                save_figure(recording.plot(*names[:_MOST_PLOTTED]), options.plot)
+                _draw(recording, signals or list(recording.signals), options.plot)
         if options.progress:
             _progress(run)(run.time, until)
             print(file=sys.stderr)
@@ -246,6 +246,14 @@ def _summary(system: System, run: Execution, algorithm: str) -> None:
     for name, bond in run.bonds.items():
         share = f"{100 * bond.relative_error:.2g} %" if bond.energy_moved else "none moved"
         print(f"bond {name}: energy error {bond.energy_error:.3g} J of {bond.energy_moved:.3g} J moved ({share})")
+
+
+def _draw(recording: Recording, names: list[str], path: Path) -> None:
+    drawn = names[:_MOST_PLOTTED]
+    save_figure(recording.plot(*drawn), path)
+    print(f"{path}: {', '.join(drawn)}")
+    if len(names) > len(drawn):
+        print(f"seacrane: {len(names) - len(drawn)} more are not drawn; choose with --signals", file=sys.stderr)
 
 
 def _last(run: Execution, names: Mapping[str, object]) -> None:

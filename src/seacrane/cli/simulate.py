@@ -26,7 +26,8 @@ def add(commands: Commands) -> None:
         "--signals",
         type=lambda text: text.split(","),
         metavar="NAME,...",
-        help="what to write and plot (default: inputs and outputs in the plot, all but unset parameters in the CSV)",
+        help="what to write and plot (default: in the plot inputs and outputs, or states where it has no outputs; "
+        "in the CSV all but unset parameters)",
     )
     run.add_argument(
         "--set",
@@ -57,6 +58,7 @@ def _simulate(options: argparse.Namespace) -> int:
     unknown = [name for name in options.signals or () if name not in names]
     if unknown:
         raise ParameterError(_unknown_signals(unknown, names))
+    shown = [v.name for v in dae.inputs + (dae.outputs or dae.states)]
     settings = dict(options.set)
     constant = {v.name for v in dae.parameters} - settings.keys()
     try:
@@ -71,11 +73,11 @@ def _simulate(options: argparse.Namespace) -> int:
         )
     except SolveError as error:
         if error.results is not None and len(error.results):
-            _write(error.results, options, [v.name for v in dae.inputs + dae.outputs])
+            _write(error.results, options, shown)
             until = f"until {error.results.time[-1]:g} s"
             print(f"seacrane: the results {until} were kept", file=sys.stderr)
         raise
-    _write(run, options, [v.name for v in dae.inputs + dae.outputs])
+    _write(run, options, shown)
     print(f"{diagram.name}: {options.until:g} s simulated")
     for doubt in run.doubts:
         print(f"seacrane: {doubt}", file=sys.stderr)

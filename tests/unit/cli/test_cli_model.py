@@ -43,7 +43,9 @@ def test_a_run_is_written_with_units(model: Path, tmp_path: Path, capsys: pytest
     assert recording["flow"][-1] == pytest.approx(6 * l_min)
     assert recording["edge.diameter"][0] == pytest.approx(2e-3)
     assert ET.fromstring(plot.read_text()).tag.endswith("svg")
-    assert "filling: 2 s simulated" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "filling: 2 s simulated" in said
+    assert f"{plot}: flow, volume.pressure\n" in said
     assert sorted(p.name for p in tmp_path.iterdir()) == ["filling.json", "out.csv", "out.svg"]
 
 

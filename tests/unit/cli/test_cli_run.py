@@ -250,3 +250,14 @@ def test_a_run_goes_on_from_a_saved_state_to_a_later_time_only(folder, tmp_path,
     assert "1 input is not connected and keeps its saved value: mass.pull" in capsys.readouterr().err
     assert run(folder, "--until", "1", "--resume", state) == 2
     assert "--until: is not after the saved state (got 1.0); allowed: above 1 s" in capsys.readouterr().err
+
+
+def test_what_is_drawn_is_named_and_that_there_is_more(folder, tmp_path, capsys) -> None:
+    picture = tmp_path / "all.svg"
+    assert run(folder, "--until", "0.1", "--plot", str(picture), "--signals", "spring.force,mass.velocity") == 0
+    assert f"{picture}: spring.force, mass.velocity\n" in capsys.readouterr().out
+    assert run(folder, "--until", "0.1", "--plot", str(picture), "--signals", "*") == 0
+    said = capsys.readouterr()
+    (line,) = [line for line in said.out.splitlines() if line.startswith(f"{picture}: ")]
+    assert line.count(", ") == 11
+    assert "more are not drawn; choose with --signals" in said.err

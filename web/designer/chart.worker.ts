@@ -2,6 +2,7 @@
 import { type Curve, curve, type Verdict, verdict } from "../core/design/curve";
 import { contourStep, paint, postureAt, Rasteriser, type Section, type View } from "../core/design/section";
 import { type Crane, HARBOUR, type Mode, modes } from "../core/design/types";
+import { reachEdge } from "../core/design/volume";
 import { type Label, labels, scaleEnd } from "./section/contours";
 
 export type Request =
@@ -19,7 +20,8 @@ export type Request =
       readonly mode: string;
       readonly posture: Readonly<Record<string, number>>;
     }
-  | { readonly kind: "curves"; readonly crane: Crane; readonly width: number };
+  | { readonly kind: "curves"; readonly crane: Crane; readonly width: number }
+  | { readonly kind: "edge"; readonly crane: Crane };
 
 export interface Painted {
   readonly view: View;
@@ -43,6 +45,7 @@ export interface Answers {
   point: Found | null;
   posture: Verdict;
   curves: readonly Curve[];
+  edge: Float32Array;
 }
 
 const rasteriser = new Rasteriser();
@@ -76,6 +79,8 @@ function answer(request: Request): Answers[Request["kind"]] {
       return verdict(request.crane, request.posture, modeOf(request.crane, request.mode));
     case "curves":
       return modes(request.crane).map((mode) => curve(request.crane, mode, request.width));
+    case "edge":
+      return reachEdge(request.crane);
   }
 }
 

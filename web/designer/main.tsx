@@ -6,6 +6,7 @@ import { createRoot } from "react-dom/client";
 import { App } from "./App";
 import { Charts } from "./charts";
 import { autosave, recovered } from "./saving";
+import { given } from "./server";
 import { SHIPPED } from "./shipped";
 import { createDesigner } from "./store";
 
@@ -18,10 +19,15 @@ const theme = createTheme({
   respectReducedMotion: true,
 });
 
-const kept = recovered();
-const first = kept?.crane ?? (await (SHIPPED.find(({ name }) => name === FIRST) ?? SHIPPED[0]).load());
+const [kept, asked] = [recovered(), await given()];
+const first = kept?.crane ?? asked ?? (await (SHIPPED.find(({ name }) => name === FIRST) ?? SHIPPED[0]).load());
 const designer = createDesigner(first, kept?.posture);
-if (kept) {
+if (kept && asked && asked.name !== kept.crane.name) {
+  designer.open(asked);
+  designer.tell(
+    `Opened ${asked.name}, as the command asked. Undo brings back the recovered work on ${kept.crane.name}.`,
+  );
+} else if (kept) {
   const time = new Date(kept.at).toLocaleString(undefined, { dateStyle: "medium", timeStyle: "short" });
   designer.tell(`Recovered the work on ${first.name} of ${time}. New starts another crane.`);
 }

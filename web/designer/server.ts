@@ -53,3 +53,13 @@ export async function simulated(crane: Crane, posture: Posture, load: number): P
   const { address } = await (await post("simulate", body, "application/json")).json();
   return address;
 }
+
+/** The design that the command was given; null if it was given none, or there is no server. */
+export async function given(): Promise<Crane | null> {
+  try {
+    const answer = await fetch("./api/design/opened");
+    return answer.status === 200 ? fromData(await answer.json()) : null;
+  } catch {
+    return null;
+  }
+}

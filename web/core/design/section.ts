@@ -166,16 +166,16 @@ export function contourStep(most: number): number {
   return [1, 2, 5, 10].map((m) => m * power).find((step) => most / step <= 10) ?? 10 * power;
 }
 
+const LINE = 0xff;
+const HALF_WIDTH = 1.25;
+
 /** RGBA of a section, top row first, with contours each `step` [kg]; `most` [kg] has the brightest colour. */
 export function paint(section: Section, most: number, step: number, pixels: Uint8ClampedArray): void {
   const { width, height } = section.view;
   const { load } = section;
-  const palette = Array.from({ length: 256 }, (_, i) => {
-    const [r, g, b] = colour(i / 255);
-    return (255 << 24) | (b << 16) | (g << 8) | r;
-  });
+  const palette = Array.from({ length: 256 }, (_, i) => colour(i / 255));
+  const packed = Uint32Array.from(palette, ([r, g, b]) => (255 << 24) | (b << 16) | (g << 8) | r);
   const out = new Uint32Array(pixels.buffer, pixels.byteOffset, width * height);
-  const line = (255 << 24) | 0xffffff;
   const [scale, bands] = [255 / Math.max(most, 1e-9), 1 / step];
   for (let row = 0; row < height; row += 1)
     for (let column = 0; column < width; column += 1) {
@@ -186,11 +186,25 @@ export function paint(section: Section, most: number, step: number, pixels: Uint
         out[to] = 0;
         continue;
       }
-      const band = Math.floor(value * bands);
-      const right = column + 1 < width ? load[cell + 1] : value;
-      const above = row + 1 < height ? load[cell + width] : value;
-      const crosses =
-        (right >= 0 && Math.floor(right * bands) !== band) || (above >= 0 && Math.floor(above * bands) !== band);
-      out[to] = crosses ? line : palette[Math.min(255, Math.floor(value * scale))];
+      const index = Math.min(255, Math.floor(value * scale));
+      const white = line(load, cell, width, value * bands, bands);
+      if (white > 0) {
+        const [r, g, b] = palette[index];
+        const mixed = (channel: number) => channel + (LINE - channel) * white;
+        out[to] = (255 << 24) | (mixed(b) << 16) | (mixed(g) << 8) | mixed(r);
+      } else out[to] = packed[index];
     }
+}
+
+/** How much of a cell a contour covers, 0 to 1: from how far it is away, in cells, by the slope of the load. */
+function line(load: Float32Array, cell: number, width: number, level: number, bands: number): number {
+  const off = Math.abs(level - Math.round(level));
+  if (level < 0.5 || off > 0.25) return 0;
+  const slopeX = 0.5 * bands * (load[cell + 1] - load[cell - 1]);
+  const slopeZ = 0.5 * bands * (load[cell + width] - load[cell - width]);
+  const slope = Math.sqrt(slopeX * slopeX + slopeZ * slopeZ);
+  // beside the edge of the section, and on plateaus, there is no contour to draw
+  if (!(slope > 1e-4)) return 0;
+  const away = off / slope;
+  return away < HALF_WIDTH ? Math.min(1, HALF_WIDTH - away) : 0;
 }

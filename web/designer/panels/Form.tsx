@@ -29,7 +29,7 @@ export function Form({ shape, path, without = [] }: Props) {
   const fields = fieldsOf(shape, value);
   if (!fields || typeof value !== "object" || value === null) return null;
   return (
-    <div className="form">
+    <div className="form" data-shape={shape}>
       {Object.entries(fields)
         .filter(([name]) => !without.includes(name))
         .map(([name, field]) => (

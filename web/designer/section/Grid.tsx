@@ -46,7 +46,7 @@ export function Grid({ window, waterline }: { window: Window; waterline: number 
       {water < height && water > 0 && (
         <>
           <line className="water" x1={0} x2={width} y1={water} y2={water} />
-          <text className="water-label" x={width - 66} y={water - 5} textAnchor="end">
+          <text className="water-label" x={width - 180} y={water - 5} textAnchor="end">
             waterline
           </text>
         </>

@@ -38,13 +38,26 @@ export function Section() {
   const coarse = useRef(1);
   const spare = useRef<ArrayBuffer>(undefined);
   const opened = useRef<string | null>(null);
+  const framedFor = useRef("");
+  const looked = useRef(false);
 
-  // All that the crane reaches, once for each crane opened: the drawing must not move while something is dragged.
+  // All that the crane reaches, until someone looks closer: the drawing must not move while something is dragged.
   useEffect(() => {
-    if (!width || !height || opened.current === crane.name) return;
+    if (!width || !height || (looked.current && opened.current === crane.name)) return;
+    if (opened.current === crane.name && framedFor.current === `${width} ${height}`) return;
     opened.current = crane.name;
+    framedFor.current = `${width} ${height}`;
+    looked.current = false;
     setShift(framed(crane, width, height));
   }, [crane, width, height]);
+  const look = useCallback((to: Window) => {
+    looked.current = true;
+    setShift(to);
+  }, []);
+  const showAll = () => {
+    looked.current = false;
+    setShift(framed(crane, width, height));
+  };
 
   const window = useMemo<Window | null>(() => shift && { ...shift, width, height }, [shift, width, height]);
 
@@ -103,13 +116,13 @@ export function Section() {
     const wheel = (event: WheelEvent) => {
       event.preventDefault();
       const box = element.getBoundingClientRect();
-      setShift(zoomed(window, [event.clientX - box.left, event.clientY - box.top], Math.exp(-0.0015 * event.deltaY)));
+      look(zoomed(window, [event.clientX - box.left, event.clientY - box.top], Math.exp(-0.0015 * event.deltaY)));
     };
     element.addEventListener("wheel", wheel, { passive: false });
     return () => element.removeEventListener("wheel", wheel);
-  }, [window]);
+  }, [window, look]);
 
-  const look = async (event: PointerEvent) => {
+  const point = async (event: PointerEvent) => {
     const at = metres(event);
     const found = await sections.ask<"point">({ kind: "point", x: at[0], z: at[1] }).catch(() => null);
     setPointed(found && { at, found });
@@ -126,7 +139,7 @@ export function Section() {
         const [dx, dy] = [next.clientX - x0, next.clientY - y0];
         if (!moved && Math.hypot(dx, dy) < 4) return;
         moved = true;
-        setShift({ ...start, x: start.x - dx / start.scale, z: start.z + dy / start.scale });
+        look({ ...start, x: start.x - dx / start.scale, z: start.z + dy / start.scale });
       },
       done: () => {
         if (moved || event.button === 1) return;
@@ -220,10 +233,10 @@ export function Section() {
           height={window.height}
           onPointerDown={pan}
           onPointerMove={(event) => {
-            if (!dragging && event.buttons === 0) void look(event);
+            if (!dragging && event.buttons === 0) void point(event);
           }}
           onPointerLeave={() => setPointed(null)}
-          onDoubleClick={() => setShift(framed(crane, width, height))}
+          onDoubleClick={showAll}
         >
           <title>Side view of the crane with its load chart</title>
           <Grid window={window} waterline={-crane.pedestal[2]} />
@@ -285,18 +298,18 @@ export function Section() {
         <button
           type="button"
           aria-label="Closer"
-          onClick={() => window && setShift(zoomed(window, [width / 2, height / 2], 1.25))}
+          onClick={() => window && look(zoomed(window, [width / 2, height / 2], 1.25))}
         >
           +
         </button>
         <button
           type="button"
           aria-label="Further away"
-          onClick={() => window && setShift(zoomed(window, [width / 2, height / 2], 0.8))}
+          onClick={() => window && look(zoomed(window, [width / 2, height / 2], 0.8))}
         >
           {"\u2212"}
         </button>
-        <button type="button" data-testid="fit" onClick={() => setShift(framed(crane, width, height))}>
+        <button type="button" data-testid="fit" onClick={showAll}>
           Fit
         </button>
       </div>

@@ -61,7 +61,7 @@ export type ShapeName =
   | "part"
   | PartKind;
 
-export const PART_KINDS = ["girder", "tube", "lug", "sheave", "drum", "box"] as const;
+export const PART_KINDS = ["girder", "tube", "lug", "sheave", "drum", "box", "mesh"] as const;
 export type PartKind = (typeof PART_KINDS)[number];
 
 export type Field = QuantityField | TextField | VectorField | ShapeField | ListField;
@@ -265,6 +265,7 @@ const shapes: Readonly<Record<Exclude<ShapeName, "part">, Shape>> = {
     size: xyz("m", "Size"),
     thickness: size("mm", "Plate", { optional: true, absent: "solid" }),
   },
+  mesh: { ...PART, source: text("From"), surface: text("Surface") },
 };
 
 /** The fields of a shape; those of a part follow from its kind. */

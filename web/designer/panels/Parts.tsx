@@ -1,4 +1,4 @@
-import { useMemo } from "react";
+import { useMemo, useRef } from "react";
 import { fresh } from "../../core/design/edit";
 import { PART_KINDS, type PartKind } from "../../core/design/fields";
 import { ofPart, weighed } from "../../core/design/mass";
@@ -16,9 +16,30 @@ export function Parts({ index, part, mass }: { index: number; part?: number; mas
   const parts = link.parts ?? [];
   const masses = useMemo(() => parts.map((item) => ofPart(item).mass), [parts]);
   const path = ["links", index, "parts"];
-  const add = (kind: PartKind) => {
-    designer.edit(`add ${kind}`, path, [...parts, made(kind, crane, index)]);
+  const file = useRef<HTMLInputElement>(null);
+  const put = (part: Part) => {
+    designer.edit(`add ${part.kind}`, path, [...parts, part]);
     designer.select({ kind: "link", index, part: parts.length });
+  };
+  const add = (kind: PartKind) => (kind === "mesh" ? file.current?.click() : put(made(kind, crane, index)));
+  const take = async (chosen: File) => {
+    try {
+      const { imported } = await import("./importing");
+      put(
+        await imported(
+          chosen,
+          fresh(
+            chosen.name.replace(/\.\w+$/, ""),
+            parts.map((item) => item.name),
+          ),
+        ),
+      );
+      designer.tell(
+        `${chosen.name} is a part of ${link.name} now: in metres, z up, in the frame of the link, solid inside.`,
+      );
+    } catch (error) {
+      designer.tell(`${chosen.name} is not taken: ${(error as Error).message}`, "wrong");
+    }
   };
   return (
     <fieldset className="inner parts">
@@ -54,7 +75,7 @@ export function Parts({ index, part, mass }: { index: number; part?: number; mas
                 </button>
                 {part === i && (
                   <>
-                    <Form shape="part" path={[...path, i]} without={["kind"]} />
+                    <Form shape="part" path={[...path, i]} without={["kind", "surface"]} />
                     <button
                       type="button"
                       className="plain"
@@ -87,16 +108,30 @@ export function Parts({ index, part, mass }: { index: number; part?: number; mas
         <select value="" onChange={(event) => event.currentTarget.value && add(event.currentTarget.value as PartKind)}>
           <option value="">{"\u2026"}</option>
           {PART_KINDS.map((kind) => (
-            <option key={kind}>{kind}</option>
+            <option key={kind} value={kind}>
+              {kind === "mesh" ? "mesh from a file\u2026" : kind}
+            </option>
           ))}
         </select>
       </label>
+      <input
+        ref={file}
+        type="file"
+        accept=".stl,.glb,.gltf"
+        hidden
+        data-testid="mesh-file"
+        onChange={(event) => {
+          const chosen = event.currentTarget.files?.[0];
+          event.currentTarget.value = "";
+          if (chosen) void take(chosen);
+        }}
+      />
     </fieldset>
   );
 }
 
 /** A part of a kind to begin with, of the size of its link. */
-function made(kind: PartKind, crane: Crane, index: number): Part {
+function made(kind: Exclude<PartKind, "mesh">, crane: Crane, index: number): Part {
   const link = crane.links[index];
   const next = crane.links[index + 1]?.joint.origin;
   const tip = crane.hoist.sheaves[crane.hoist.sheaves.length - 1];

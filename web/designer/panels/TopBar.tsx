@@ -1,9 +1,8 @@
 import { Menu } from "@mantine/core";
 import { useRef } from "react";
 import { DesignFileError, read } from "../../core/design/file";
-import { mesh } from "../../core/design/mesh";
+import { joined, mesh, stl } from "../../core/design/mesh";
 import { furnished } from "../../core/design/standard";
-import { stl } from "../../core/design/stl";
 import type { Dialog, Show } from "../App";
 import { useBench, useDesigner } from "../context";
 import { download, saveJson } from "../saving";
@@ -50,7 +49,7 @@ export function TopBar({ show, onShow, onDialog }: Props) {
   const meshes = () =>
     attempt(() => {
       for (const link of furnished(crane).links)
-        download(`${crane.name}-${link.name}.stl`, stl((link.parts ?? []).map(mesh)), "model/stl");
+        download(`${crane.name}-${link.name}.stl`, stl(joined((link.parts ?? []).map(mesh))) as BlobPart, "model/stl");
       return "One STL file for each link, in metres, z up.";
     });
   const archive = () =>

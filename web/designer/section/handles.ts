@@ -1,7 +1,7 @@
 // What can be dragged in the drawing: where each handle is, what it is called, and what it says of its value.
 import { endOf, type Handle, type Scene } from "../../core/design/edit";
 import { frames, outOf, type Point, pin } from "../../core/design/plane";
-import { written } from "../../core/design/quantity";
+import { fixed } from "../../core/units";
 
 export interface Grip {
   readonly key: string;
@@ -14,8 +14,8 @@ export interface Grip {
   readonly now: number;
 }
 
-const degrees = (value: number) => `${written(Number(value.toFixed(6)), "deg")}\u00b0`;
-const metres = (value: number) => `${written(Number(value.toFixed(4)), "m")} m`;
+const degrees = (value: number) => `${fixed((value * 180) / Math.PI, 1)}\u00b0`;
+const metres = (value: number) => `${fixed(value, 2)} m`;
 const place = (x: number, z: number) => `x ${metres(x)}, z ${metres(z)}`;
 
 /** The handles of a crane in its posture, in the order of the tabulator; `arc` is the radius of the limits' arcs [m]. */

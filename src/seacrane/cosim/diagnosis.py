@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from itertools import pairwise
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -29,6 +29,9 @@ from seacrane.cosim.slave import Vector
 from seacrane.cosim.system import System
 from seacrane.errors import CosimError, Problem, SeacraneError, nearest
 from seacrane.results import Recording, sweeps
+
+if TYPE_CHECKING:
+    from seacrane.results import Figure
 
 SWEPT: Final = ("jacobi", "jacobi-linear", "gauss-seidel", "gauss-seidel-linear", "newton", "power-residual")
 """The algorithms that are tried, unless others are given, by their names in `ALGORITHMS`."""
@@ -152,7 +155,7 @@ class Diagnosis:
 
         return text(self)
 
-    def figure(self) -> Any:
+    def figure(self) -> Figure:
         """Error over macro step and over cost, one curve for each algorithm, and the loop gains of the bonds.
 
         A matplotlib figure that belongs to no window; `figure.savefig(path)` writes it.

@@ -188,6 +188,9 @@ class Ours:
         return float(self.run.values([".".join(self.case.logged[-1])])[0])
 
 
+TRIED = 1000
+"""Macro steps in which a run decides, more than once, whether threads pay."""
+
 ENGINES: dict[str, Callable[[Case, bool], Any]] = {"seacrane": Ours, **PEERS}
 
 
@@ -233,7 +236,7 @@ def threads(path: Path) -> list[dict[str, Any]]:
         runs = {count: Ours(case, False, count) for count in (1, 2)}
         steps = max(20, 20_000 // us)
         for run in runs.values():
-            run.step(steps)  # in which it is decided whether threads pay
+            run.step(max(steps, TRIED))
         least = dict.fromkeys(runs, float("inf"))
         for _ in range(15):
             for count, run in runs.items():

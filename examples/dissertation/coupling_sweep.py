@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 from boom import Boom, compiled
-from coupled import LOST, reference, run
+from split_drive import LOST, reference, run
 from table_4_4 import machine
 
 from seacrane.cosim import Adaptive, Algorithm, FixedPoint, GaussSeidel, Iterative, Jacobi, Newton, PowerResidual

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from boom import Boom, boom_unit, drive_unit, rigid_body, split
-from coupled import PISTON, Run, reference, run
+from split_drive import PISTON, Run, reference, run
 from table_4_4 import ELSEWHERE, machine
 
 from seacrane import fmi

@@ -17,7 +17,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples" / "dissertation"
 def scripts():
     sys.path.insert(0, str(EXAMPLES))
     try:
-        yield {name: importlib.import_module(name) for name in ("boom", "coupled", "table_4_5", "coupling_sweep")}
+        yield {name: importlib.import_module(name) for name in ("boom", "split_drive", "table_4_5", "coupling_sweep")}
     finally:
         sys.path.remove(str(EXAMPLES))
 
@@ -60,7 +60,7 @@ def test_the_boom_of_the_rigid_body_engine_moves_as_the_one_of_its_equation(scri
 
 
 def test_the_piston_starts_at_rest_in_balance(scripts):
-    exact = scripts["coupled"].reference(scripts["boom"].Boom(), 0.1)
+    exact = scripts["split_drive"].reference(scripts["boom"].Boom(), 0.1)
     assert abs(exact["cylinder.extension"][1] - exact["cylinder.extension"][0]) < 0.01
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import casadi as ca
 import numpy as np
@@ -19,6 +19,13 @@ if TYPE_CHECKING:
     from .reduce import Tie
 
 
+HIGH = 1e8
+"""[Pa] More than any valve is set to: at a lower pressure, shut valves alone give a solver no hint where to go."""
+
+Residual: TypeAlias = Callable[[Reals], tuple[Reals, Reals]]
+"""The equations and their Jacobian at values of the unknowns."""
+
+
 def starts(variables: Sequence[Variable]) -> Reals:
     """Start values as an array."""
     return np.array([v.start for v in variables], dtype=np.float64)
@@ -28,7 +35,8 @@ def with_solved_start(dae: Dae) -> Dae:
     """The model with algebraic unknowns that start where they solve its equations at the start values of all else.
 
     Tried from the declared start values, then with pressures and other unknowns at half and at their whole nominal
-    value. If none leads to a solution the model is returned as it is: other start values may be given before it runs.
+    value, and at last from where all relief valves are open, with leaks that close. If none leads to a solution the
+    model is returned as it is: other start values may be given before it runs.
     """
     if not dae.algebraics:
         return dae
@@ -40,12 +48,34 @@ def with_solved_start(dae: Dae) -> Dae:
         g, jacobian = function(0.0, x, z, u, p)
         return np.asarray(g).ravel(), np.asarray(jacobian).reshape(z.size, z.size)
 
-    for guess in (starts(dae.algebraics), 0.5 * nominal, nominal):
-        z = solve_equations(residual, guess, nominal)
-        if z is not None:
-            solved = tuple(replace(v, start=float(value)) for v, value in zip(dae.algebraics, z, strict=True))
-            return replace(dae, algebraics=solved)
-    return dae
+    guesses = (starts(dae.algebraics), 0.5 * nominal, nominal)
+    z = next((z for guess in guesses if (z := solve_equations(residual, guess, nominal)) is not None), None)
+    if z is None:
+        high = np.array([HIGH if v.unit == "Pa" else v.nominal for v in dae.algebraics])
+        z = _as_leaks_close(residual, high, nominal)
+    if z is None:
+        return dae
+    solved = tuple(replace(v, start=float(value)) for v, value in zip(dae.algebraics, z, strict=True))
+    return replace(dae, algebraics=solved)
+
+
+def _as_leaks_close(residual: Residual, high: Reals, nominal: Reals) -> Reals | None:
+    """The solution to which that of the system with a leak at each node tends as the leaks close, or None.
+
+    A leak passes as much as the equation of its node does at `high`, and gives a direction where valves are shut.
+    """
+    z, leak = high, np.diagonal(residual(high)[1])
+    for share in (*np.logspace(0, -8, 9), 0.0):
+
+        def leaking(y: Reals, share: float = share) -> tuple[Reals, Reals]:
+            g, jacobian = residual(y)
+            return g + share * leak * y, jacobian + share * np.diag(leak)
+
+        found = solve_equations(leaking, z, nominal)
+        if found is None:
+            return None
+        z = found
+    return z
 
 
 def contradictions(dae: Dae, demoted: Sequence[Variable], ties: Sequence[Tie]) -> Iterator[Problem]:

@@ -12,6 +12,9 @@ Reals = NDArray[np.float64]
 ENOUGH = 1e-10
 """Relative size of the last correction."""
 
+SOLVED = 1e-6
+"""Residual of each equation that is left, of what a nominal change of its unknowns makes: rounding, and no more."""
+
 
 def solve_equations(
     residual: Callable[[Reals], tuple[Reals, Reals]], start: Reals, nominal: Reals, most: int = 200
@@ -42,7 +45,8 @@ def solve_equations(
             last = float(np.max(np.abs(step) / (1.0 + np.abs(z) / nominal), initial=0.0))
             z, g, jacobian = trial, g_new, jacobian_new
             if last <= ENOUGH and delta > 1e6:
-                return z
+                solved = np.abs(g) <= SOLVED * np.abs(jacobian * nominal).max(axis=1, initial=0.0)
+                return z if np.all(solved) else None  # or where |g| is least but not zero
             delta = min(delta * max(2.0, min(size / max(size_new, 1e-300), 1e4)), 1e30)
             size = size_new
         else:

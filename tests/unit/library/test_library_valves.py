@@ -4,7 +4,8 @@ import pytest
 
 from seacrane.errors import ParameterError
 from seacrane.library import hydraulics as hyd
-from seacrane.units import bar, l_min, mm
+from seacrane.model import Diagram, simulate
+from seacrane.units import bar, cm3_rev, l_min, mm, rpm
 
 FLOW, DROP = 400 * l_min, 35 * bar
 
@@ -180,3 +181,32 @@ def test_an_anticavitation_valve_fills_a_line_that_is_sucked_empty(law):
     valve = hyd.AnticavitationValve(flow=FLOW, at=1 * bar)
     assert law(valve, {"a.p": -0.5 * bar})["a.q"] == pytest.approx(-FLOW * sqrt(0.5), rel=1e-2)
     assert law(valve, {"a.p": 200 * bar})["a.q"] == 0.0
+
+
+@pytest.mark.parametrize(("size", "pressure"), [(75 * l_min, 220.13), (150 * l_min, 210.23)])
+def test_a_pump_on_a_relief_valve_alone_starts_at_the_pressure_that_opens_it(size, pressure):
+    """With all of the flow over it, a valve of this size is fully open; one of twice the size is half open."""
+    diagram = Diagram("relieved")
+    pump = diagram.add("pump", hyd.ConstantFlowPump(displacement=50 * cm3_rev, speed=1500 * rpm))
+    valve = diagram.add("valve", hyd.ReliefValve(crack=200 * bar, full=220 * bar, flow=size))
+    tank = diagram.add("tank", hyd.Tank())
+    diagram.connect(pump.p, valve.a)
+    diagram.connect(valve.b, tank.p)
+    run = simulate(diagram, until=0.1)
+    assert run["pump.p.p"] / bar == pytest.approx(pressure, abs=0.01)
+    assert run["valve.a.q"] == pytest.approx(75 * l_min, rel=1e-9)
+
+
+def test_a_check_valve_before_a_relief_valve_passes_the_flow_to_where_it_opens_first():
+    diagram = Diagram("relieved")
+    pump = diagram.add("pump", hyd.ConstantFlowPump(displacement=50 * cm3_rev, speed=1500 * rpm))
+    near = diagram.add("near", hyd.ReliefValve(crack=200 * bar, full=220 * bar, flow=150 * l_min))
+    check = diagram.add("check", hyd.CheckValve(flow=75 * l_min, at=3 * bar))
+    far = diagram.add("far", hyd.ReliefValve(crack=100 * bar, full=120 * bar, flow=150 * l_min))
+    tank = diagram.add("tank", hyd.Tank())
+    diagram.connect(pump.p, near.a, check.a)
+    diagram.connect(check.b, far.a)
+    diagram.connect(near.b, far.b, tank.p)
+    run = simulate(diagram, until=0.1)
+    assert run["pump.p.p"] - run["far.a.p"] == pytest.approx(3 * bar, rel=0.01)
+    assert run["far.a.q"] == pytest.approx(75 * l_min, rel=1e-9)

@@ -32,6 +32,10 @@ def test_equations_without_a_root_or_without_a_value_give_none():
     assert solve_equations(lambda z: (z * np.nan, np.eye(1)), np.array([3.0]), np.ones(1)) is None
 
 
+def test_where_nothing_depends_on_the_unknown_is_no_root():
+    assert solve_equations(lambda z: (np.ones(1), np.zeros((1, 1))), np.zeros(1), np.ones(1)) is None
+
+
 def test_a_chain_closed_to_a_ring_is_torn_once():
     n = 7
     rows = [[i, (i + 1) % n] for i in range(n)]

@@ -83,7 +83,7 @@ def machine() -> dict[str, str]:
     if info.exists():
         names = [line.partition(":")[2].strip() for line in info.read_text().splitlines() if "model name" in line]
         cpu = names[0] if names else cpu
-    return {"cpu": cpu, "system": platform.platform(), "python": platform.python_version()}
+    return {"cpu": cpu, "system": platform.platform(), "python": f"Python {platform.python_version()}"}
 
 
 def table(

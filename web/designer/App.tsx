@@ -6,6 +6,7 @@ import { Help } from "./panels/Help";
 import { Inspector } from "./panels/Inspector";
 import { NewDialog } from "./panels/New";
 import { Notice } from "./panels/Notice";
+import { Optimise } from "./panels/Optimise";
 import { Problems } from "./panels/Problems";
 import { TopBar } from "./panels/TopBar";
 import { Verdict } from "./panels/Verdict";
@@ -23,6 +24,7 @@ export function App({ bench }: { bench: Bench }) {
   const { designer } = bench;
   const [show, setShow] = useState<Show>("section");
   const [dialog, setDialog] = useState<Dialog>(null);
+  const [searching, setSearching] = useState(false);
   const close = useCallback(() => setDialog(null), []);
 
   useEffect(() => {
@@ -48,6 +50,7 @@ export function App({ bench }: { bench: Bench }) {
       else if (event.key === "2") setShow("both");
       else if (event.key === "3") setShow("solid");
       else if (event.key === "n") setDialog("new");
+      else if (event.key === "o") setSearching((now) => !now);
     };
     window.addEventListener("keydown", hear);
     return () => window.removeEventListener("keydown", hear);
@@ -84,10 +87,34 @@ export function App({ bench }: { bench: Bench }) {
           )}
           <Notice />
         </main>
-        <aside className="results" aria-label="Load chart">
+        <aside className="results" aria-label={searching ? "Optimisation" : "Load chart"}>
+          <nav className="modes" aria-label="Load chart or optimisation">
+            <button
+              type="button"
+              aria-pressed={!searching}
+              data-testid="show-chart"
+              onClick={() => setSearching(false)}
+            >
+              Load chart
+            </button>
+            <button
+              type="button"
+              aria-pressed={searching}
+              data-testid="show-optimise"
+              onClick={() => setSearching(true)}
+            >
+              Optimise
+            </button>
+          </nav>
           <Problems />
-          <Curves />
-          <Verdict onSimulate={simulate} />
+          {searching ? (
+            <Optimise />
+          ) : (
+            <>
+              <Curves />
+              <Verdict onSimulate={simulate} />
+            </>
+          )}
         </aside>
       </div>
       <NewDialog open={dialog === "new"} onClose={close} />

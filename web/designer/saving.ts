@@ -1,11 +1,13 @@
 // Work that outlives the page: the newest state within two seconds, and versions kept by name.
 import { fromData, text } from "../core/design/file";
+import { readSearch, type Specification, searchText } from "../core/design/optimise";
 import type { Posture } from "../core/design/plane";
 import type { Crane } from "../core/design/types";
 import type { DesignerStore } from "./store";
 
 const CURRENT = "seacrane.designer.current";
 const VERSIONS = "seacrane.designer.versions";
+const SEARCH = "seacrane.designer.search";
 const PAUSE = 1000;
 
 export interface Recovered {
@@ -69,6 +71,16 @@ export function versions(): Version[] {
 /** Throws where the browser keeps no more. */
 export function keepVersions(kept: readonly Version[]): void {
   localStorage.setItem(VERSIONS, JSON.stringify(kept));
+}
+
+/** What was last asked of a search for better designs, if it was for a crane of this name. */
+export function recoveredSearch(crane: Crane): Specification | null {
+  return readSearch(localStorage.getItem(SEARCH), crane);
+}
+
+/** Throws where the browser keeps no more. */
+export function keepSearch(wanted: Specification, crane: Crane): void {
+  localStorage.setItem(SEARCH, searchText(wanted, crane));
 }
 
 /** Hands a file to the person. */

@@ -187,6 +187,11 @@ export function modes(crane: Crane): Mode[] {
   return [HARBOUR, ...heights.map((height) => ({ name: `hs${height.toFixed(1)}`, waveHeight: height }))];
 }
 
+/** A mode as a person says it. */
+export function modeLabel({ waveHeight }: Mode): string {
+  return waveHeight ? `Hs ${waveHeight.toFixed(waveHeight % 0.5 ? 2 : 1)} m` : "Harbour";
+}
+
 /** The joints that move the crane in its plane, from the foot to the tip: all but slewing. */
 export function planeJoints(crane: Crane): Joint[] {
   return crane.links.map((link) => link.joint).filter((joint) => joint.name !== crane.slew?.joint);

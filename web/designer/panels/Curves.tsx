@@ -1,6 +1,6 @@
 import { useEffect, useState } from "react";
 import type { Curve } from "../../core/design/curve";
-import { type Crane, modes } from "../../core/design/types";
+import { type Crane, modeLabel, modes } from "../../core/design/types";
 import { fixed, TONNE } from "../../core/units";
 import type { Charts } from "../charts";
 import { useBench, useDesigner } from "../context";
@@ -34,15 +34,15 @@ export function Curves() {
   return (
     <section className="curves" aria-label="Load curves">
       <nav className="modes" aria-label="Mode">
-        {sea.map(({ name, waveHeight }) => (
+        {sea.map((item) => (
           <button
-            key={name}
+            key={item.name}
             type="button"
-            aria-pressed={name === mode}
-            data-testid={`mode-${name}`}
-            onClick={() => designer.setMode(name)}
+            aria-pressed={item.name === mode}
+            data-testid={`mode-${item.name}`}
+            onClick={() => designer.setMode(item.name)}
           >
-            {waveHeight ? `Hs ${fixed(waveHeight, waveHeight % 0.5 ? 2 : 1)} m` : "Harbour"}
+            {modeLabel(item)}
           </button>
         ))}
       </nav>

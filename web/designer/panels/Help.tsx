@@ -15,6 +15,7 @@ const ROWS: readonly (readonly [string, string])[] = [
   ["Ctrl S", "save the design file"],
   ["1, 2, 3", "workspace, both, mechanical"],
   ["N", "new crane"],
+  ["O", "load chart or optimisation"],
   ["In a field", "8 ft, 420 mm, 18 + 0.5; arrows step; drag the label"],
   ["?", "this table"],
 ];

@@ -1,0 +1,53 @@
+"""The search for better designs as a designer meets it: in a real browser, on the command's server."""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+WEB = Path(__file__).parents[2] / "web"
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+NODE = shutil.which("node")
+
+
+@pytest.fixture
+def address() -> Iterator[str]:
+    """The address that a running designer prints."""
+    command = [sys.executable, "-u", "-m", "seacrane.cli", "designer", "--port", "0"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as designer:
+        assert designer.stdout is not None
+        printed = ""
+        try:
+            for line in designer.stdout:
+                printed += line
+                if found := re.search(r"http://\S+token=\S+", line):
+                    yield found.group()
+                    break
+            else:
+                pytest.fail(f"the designer ended before it printed an address: {printed}")
+        finally:
+            designer.send_signal(signal.SIGINT)
+            designer.communicate(timeout=30)
+
+
+def test_a_designer_searches_takes_a_design_of_the_front_and_undoes_it(address: str, tmp_path: Path) -> None:
+    assert CHROMIUM, "needs Chromium; `make test` brings it"
+    assert NODE, "needs Node 20"
+    assert (WEB / "node_modules").is_dir(), "needs the page's packages; `make setup` brings them"
+    environment = {**os.environ, "SEACRANE_URL": address, "CHROMIUM": CHROMIUM, "OUTPUT": str(tmp_path)}
+    done = subprocess.run(
+        [NODE, "e2e/optimise.mjs"],
+        check=False,
+        cwd=WEB,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr

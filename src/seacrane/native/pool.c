@@ -28,7 +28,7 @@ void pool_end(plan_t *p) { (void)p; }
 #include <time.h>
 
 #define SPIN 2000           /* looks at the next work before a thread lies down: some 50 us */
-#define PERIOD 4096         /* sweeps after which threads are measured anew */
+#define PERIOD 4096         /* sweeps after which threads that paid, or cannot pay, are measured anew */
 #define WORTH_TRYING 10000  /* [ns] of a sweep, below which waking another thread cannot pay */
 #define GAIN 0.9            /* threads must take less than this share of the time */
 #define PATIENCE 10         /* sweeps that a trial of threads may cost */
@@ -154,7 +154,7 @@ static void settle(group_t *g, int parallel) {
     const int64_t rest = g->serial_ns > 0 ? RARITY * g->spent_ns / g->serial_ns : 0;
     g->phase = SETTLED;
     g->parallel = parallel;
-    g->left = !parallel && rest > PERIOD ? rest : PERIOD;
+    g->left = !parallel && rest > 0 ? rest : PERIOD;
     g->taken = g->spent_ns = 0;
 }
 

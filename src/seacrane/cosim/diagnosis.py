@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from seacrane.cosim.algorithms import ALGORITHMS, NANOSECONDS, Algorithm, GaussSeidel, Iterative, Jacobi, Newton
+from seacrane.cosim.diagnosis_report import ITERATED, text
 from seacrane.cosim.execution import Execution
 from seacrane.cosim.slave import Vector
 from seacrane.cosim.system import System
@@ -37,7 +38,6 @@ SWEPT: Final = ("jacobi", "jacobi-linear", "gauss-seidel", "gauss-seidel-linear"
 """The algorithms that are tried, unless others are given, by their names in `ALGORITHMS`."""
 
 PLAIN: Final = ("jacobi", "gauss-seidel")
-ITERATED: Final = ("newton", "fixed-point")
 
 HALVINGS, DOUBLINGS = 3, 3
 """The macro step of the system is halved and doubled so many times, unless steps are given."""
@@ -151,8 +151,6 @@ class Diagnosis:
         return float(np.polyfit(steps, errors, 1)[0])
 
     def __str__(self) -> str:
-        from seacrane.cosim.diagnosis_report import text
-
         return text(self)
 
     def figure(self) -> Figure:
@@ -226,6 +224,8 @@ def diagnose(
     A diagnosis is of the motion that was run: a system at rest shows nothing of its coupling. Raises `CosimError` if
     nothing is connected, nothing moves, or the reference cannot be made.
     """
+    if not tolerance > 0:
+        raise CosimError.at("tolerance", "must be positive", value=tolerance)
     sweep = _Sweep(system, until, steps, algorithms, prepare, patience)
     told = progress or (lambda done, total, what: None)
     total = 2 + len(sweep.names) * len(sweep.steps)

@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from seacrane.cosim.diagnosis import BondDiagnosis, Diagnosis, Trial
 
+ITERATED = ("newton", "fixed-point")
+"""Algorithms that repeat a step until inputs and outputs agree: they show which step the motion itself allows."""
+
 WEAK = 0.1
 """Below this loop gain a coupling is resolved well by explicit exchange."""
 
@@ -126,6 +129,8 @@ def _limit(found: Diagnosis, bond: BondDiagnosis) -> Iterator[str]:
             "It is stiff: the motion could be followed with longer steps than explicit exchange bears, so that the "
             "exchange and not the motion limits the step."
         )
+    elif gain > 1 and not any(found.of(name) for name in ITERATED):
+        yield "Whether it is stiff was not measured: no algorithm that iterates (newton) was among those tried."
     elif gain > 1:
         yield (
             "It is not stiff for this motion: where its gain exceeds 1, the steps are too long for the motion as well."

@@ -17,7 +17,7 @@ FORCE, VELOCITY = Variable("force", "N"), Variable("velocity", "m/s")
 
 
 def mass_and_spring(stiffness: float, mass: float = 2.0) -> System:
-    """A mass, driven slowly from its other side, on a damped spring that is cut from it."""
+    """A moving mass that a spring, cut from it, pulls back."""
     a = np.array([[0.0, 0.0], [1.0, 0.0]])
     moved = dae("mass", (a, np.array([[-1 / mass], [0.0]]), np.array([[1.0, 0.0]])), [0.5, 0.0], [FORCE], [VELOCITY])
     spring = dae("spring", (np.zeros((1, 1)), np.ones((1, 1)), np.array([[stiffness]])), [0.0], [VELOCITY], [FORCE])
@@ -111,6 +111,12 @@ def test_a_stiff_coupling_is_named_with_the_step_at_which_its_gain_is_one(stiff)
     assert "unstable at" in said
 
 
+def test_without_an_iterated_run_nothing_is_said_of_stiffness():
+    driven = diagnose(mass_and_spring(800.0), until=1.0, steps=[0.05, 0.1], algorithms=["gauss-seidel"])
+    assert max(driven.bonds[0].gains.values()) > 1
+    assert "Whether it is stiff was not measured" in " ".join(str(driven).split())
+
+
 def test_all_that_was_measured_goes_to_json_and_the_picture_is_drawn(stiff, tmp_path):
     found = json.loads(json.dumps(stiff.as_dict(), allow_nan=False))
     assert found["limiting_bond"] == "rod"
@@ -157,6 +163,7 @@ def test_signals_without_bonds_are_compared_as_well():
     [
         ({"steps": [0.01]}, "until: is not given, or not after the start"),
         ({"until": 1.0}, "steps: are not given, and the system does not say its macro step"),
+        ({"until": 1.0, "steps": [0.01], "tolerance": 0.0}, "tolerance: must be positive"),
         ({"until": 1.0, "steps": [0.003, 0.004]}, "does not divide the longest step"),
         ({"until": 1.0, "steps": [0.01], "algorithms": ["jakobi"]}, "Did you mean 'jacobi"),
     ],

@@ -40,8 +40,9 @@ browser:
 	  DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium; } || \
 	  { echo "The browser tests need chromium: sudo apt-get install chromium"; exit 1; }
 
+# Two workers (tests/conftest.py says how they share), in the order of the files: what takes longest is not last.
 test: setup browser $(VENV)/.tools
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n 2 --no-loadscope-reorder
 	cd web && npm test
 
 # Exported binaries for aarch64 Linux and Windows, run by emulators.

@@ -255,11 +255,14 @@ def test_a_reset_begins_a_new_recording():
             await asyncio.sleep(0.6)
             status = await each.call("simulation.reset")
             assert status["recorded"] < 0.2
+            status = await each.call("simulation.pause")
             answer = await get_with_token(server, "/api/recording.csv?variables=winch.angle")
             lines = answer.text.splitlines()
             assert lines[0] == "time [s],winch.angle [rad]"
             assert lines[1] == "0.0,0.0"
-            assert len(lines) < 20
+            times = [float(line.split(",")[0]) for line in lines[1:]]
+            assert times == pytest.approx([0.02 * row for row in range(len(times))])
+            assert times[-1] <= status["time"]
 
     run(scenario())
 

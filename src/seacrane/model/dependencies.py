@@ -6,8 +6,6 @@ from typing import Any, Final
 
 import casadi as ca
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from seacrane.model.dae import Dae
 
@@ -27,6 +25,9 @@ def dependencies(dae: Dae) -> dict[str, tuple[str, ...]]:
     coupled = _pattern(dae.alg, dae.z)
     count = len(dae.algebraics)
     if count:
+        from scipy.sparse import csr_array
+        from scipy.sparse.csgraph import connected_components
+
         square = np.zeros((2 * count, 2 * count), dtype=bool)  # equations and unknowns as nodes
         square[:count, count:] = coupled
         _, label = connected_components(csr_array(square), directed=False)

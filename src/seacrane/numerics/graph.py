@@ -6,8 +6,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import maximum_bipartite_matching
 
 
 def match(incidence: Sequence[Sequence[int]], n_columns: int) -> list[int]:
@@ -16,6 +14,10 @@ def match(incidence: Sequence[Sequence[int]], n_columns: int) -> list[int]:
     `incidence[i]` lists the columns in which row i occurs. Returns for each row its column, or -1 if it has none
     (Hopcroft and Karp, An n^5/2 algorithm for maximum matchings in bipartite graphs, 1973).
     """
+    # Here, as it takes long to load: no process that only runs what is compiled needs it.
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.csgraph import maximum_bipartite_matching
+
     n_rows = len(incidence)
     if n_rows == 0 or n_columns == 0:
         return [-1] * n_rows

@@ -1,4 +1,4 @@
-"""The search for better designs as a designer meets it: in a real browser, on the command's server."""
+"""What the designer page asks its server for, in a real browser: the search for better designs, and meshes as parts."""
 
 import os
 import re
@@ -16,7 +16,7 @@ CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shuti
 NODE = shutil.which("node")
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def address() -> Iterator[str]:
     """The address that a running designer prints."""
     command = [sys.executable, "-u", "-m", "seacrane.cli", "designer", "--port", "0"]
@@ -37,12 +37,21 @@ def address() -> Iterator[str]:
 
 
 def test_a_designer_searches_takes_a_design_of_the_front_and_undoes_it(address: str, tmp_path: Path) -> None:
+    run("optimise.mjs", address, tmp_path)
+
+
+def test_a_mesh_of_another_program_becomes_a_part_in_its_unit_or_is_refused(address: str, tmp_path: Path) -> None:
+    run("mesh.mjs", address, tmp_path)
+
+
+def run(script: str, address: str, output: Path) -> None:
+    """Run a script of web/e2e in a browser against the server."""
     assert CHROMIUM, "needs Chromium; `make test` brings it"
     assert NODE, "needs Node 20"
     assert (WEB / "node_modules").is_dir(), "needs the page's packages; `make setup` brings them"
-    environment = {**os.environ, "SEACRANE_URL": address, "CHROMIUM": CHROMIUM, "OUTPUT": str(tmp_path)}
+    environment = {**os.environ, "SEACRANE_URL": address, "CHROMIUM": CHROMIUM, "OUTPUT": str(output)}
     done = subprocess.run(
-        [NODE, "e2e/optimise.mjs"],
+        [NODE, f"e2e/{script}"],
         check=False,
         cwd=WEB,
         env=environment,

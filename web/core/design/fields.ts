@@ -1,4 +1,5 @@
 // The fields of a design file: what each means, its unit and its bounds. Files are read by them, forms are drawn by them.
+import { decoded } from "./mesh";
 import type { UnitSymbol } from "./quantity";
 
 interface About {
@@ -22,6 +23,8 @@ export interface QuantityField extends About {
 export interface TextField extends About {
   readonly kind: "text";
   readonly choices?: readonly string[];
+  /** Why a text cannot be, in words; null if it can. */
+  readonly check?: (value: string) => string | null;
   /** Names of links (with the foot) or joints of the crane. */
   readonly names?: "places" | "joints";
 }
@@ -102,6 +105,14 @@ const PART = {
   kind: text("Kind"),
   name: text("Name"),
   density: q("kg/m3", "Density", { above: 0, optional: true, absent: "7850" }),
+};
+const surfaceProblem = (value: string) => {
+  try {
+    decoded(value);
+    return null;
+  } catch (error) {
+    return (error as RangeError).message;
+  }
 };
 const across = q("m", "y", { optional: true, absent: "0", hint: "of the middle, to port" });
 
@@ -265,7 +276,7 @@ const shapes: Readonly<Record<Exclude<ShapeName, "part">, Shape>> = {
     size: xyz("m", "Size"),
     thickness: size("mm", "Plate", { optional: true, absent: "solid" }),
   },
-  mesh: { ...PART, source: text("From"), surface: text("Surface") },
+  mesh: { ...PART, source: text("From"), surface: text("Surface", { check: surfaceProblem }) },
 };
 
 /** The fields of a shape; those of a part follow from its kind. */

@@ -79,6 +79,10 @@ function one(key: string, field: Field, value: unknown, owner: unknown, path: st
     case "text":
       if (typeof value !== "string" || !value) say("must be a text");
       else if (field.choices && !field.choices.includes(value)) say(`must be one of ${field.choices.join(", ")}`);
+      else {
+        const wrong = field.check?.(value);
+        if (wrong) say(wrong);
+      }
       return value;
     case "quantity": {
       const unit = unitOf(key, field, owner);

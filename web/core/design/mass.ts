@@ -48,8 +48,12 @@ export function ofMesh({ vertices, faces }: Mesh, density: number): MassProperti
   return { mass: density * volume, centre, inertia: [yy + zz, xx + zz, xx + yy, -xy, -xz, -yz] };
 }
 
+const known = new WeakMap<Part, MassProperties>();
+
 export function ofPart(part: Part): MassProperties {
-  return ofMesh(mesh(part), part.density ?? STEEL);
+  const found = known.get(part) ?? ofMesh(mesh(part), part.density ?? STEEL);
+  known.set(part, found);
+  return found;
 }
 
 /** Several bodies fixed to each other as one; at least one. */

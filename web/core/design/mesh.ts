@@ -1,7 +1,7 @@
 // Surfaces of parts as triangles, closed and with their normals outward; a hollow part has its inner surface too. The
 // same as src/seacrane/design/mesh.py, vertex by vertex; a shared fixture holds the masses of both equal.
 import type { Vec3 } from "../../rpc/messages";
-import type { Box, Drum, Girder, Lug, Part, Sheave, Tube } from "./types";
+import type { Box, Drum, Girder, Imported, Lug, Part, Sheave, Tube } from "./types";
 
 /** Corners of a circle. */
 export const SIDES = 48;
@@ -30,8 +30,17 @@ export function mesh(part: Part): Mesh {
     case "box":
       return box(part);
     case "mesh":
-      return decoded(part.surface);
+      return read(part);
   }
+}
+
+const known = new WeakMap<Imported, Mesh>();
+
+/** The mesh of a part, decoded once: a page asks for it in every frame. */
+function read(part: Imported): Mesh {
+  const found = known.get(part) ?? decoded(part.surface);
+  known.set(part, found);
+  return found;
 }
 
 /** Several meshes as one, side by side. */
@@ -199,7 +208,13 @@ function box({ centre, size, thickness }: Box): Mesh {
 
 /** The mesh in a binary STL in base64; a `RangeError` if it is none. */
 export function decoded(surface: string): Mesh {
-  const content = Uint8Array.from(atob(surface), (character) => character.charCodeAt(0));
+  let text = "";
+  try {
+    text = atob(surface);
+  } catch {
+    throw new RangeError("is not base64");
+  }
+  const content = Uint8Array.from(text, (character) => character.charCodeAt(0));
   const view = new DataView(content.buffer);
   const count = content.length >= 84 ? view.getUint32(80, true) : -1;
   if (content.length !== 84 + 50 * count) throw new RangeError("is not a binary STL");
@@ -209,6 +224,7 @@ export function decoded(surface: string): Mesh {
   for (let i = 0; i < 3 * count; i += 1) {
     const at = 84 + 50 * Math.floor(i / 3) + 12 + 12 * (i % 3);
     const point = [view.getFloat32(at, true), view.getFloat32(at + 4, true), view.getFloat32(at + 8, true)];
+    if (!point.every(Number.isFinite)) throw new RangeError("has a corner that is no place");
     const key = point.join(" ");
     let index = corners.get(key);
     if (index === undefined) {

@@ -1,4 +1,6 @@
+import { readFileSync } from "node:fs";
 import { describe, expect, it } from "vitest";
+import { read as readDesign } from "./file";
 import { combined, ofLink, ofPart, weighed } from "./mass";
 import { mesh, stl } from "./mesh";
 import cases from "./parts.fixture.json";
@@ -65,6 +67,15 @@ describe("masses", () => {
     near([found.mass], [ofPart(box).mass], found.mass);
     near(found.centre, ofPart(box).centre, 10);
     expect(() => ofPart({ kind: "mesh", name: "words", source: "x", surface: btoa("words") })).toThrow("binary STL");
+    const text = readFileSync("../src/seacrane/design/cranes/offshore-100t.json", "utf8");
+    const withSurface = (held: string) => {
+      const design = JSON.parse(text);
+      design.links[0].parts = [{ kind: "mesh", name: "house", source: "house.stl", surface: held }];
+      return JSON.stringify(design);
+    };
+    expect(readDesign(withSurface(surface)).links[0].parts).toHaveLength(1);
+    expect(() => readDesign(withSurface(btoa("words")))).toThrow("parts[house].surface: is not a binary STL");
+    expect(() => readDesign(withSurface("%"))).toThrow("parts[house].surface: is not base64");
   });
 
   it("are taken from the parts where a link has any", () => {

@@ -1,4 +1,4 @@
-import { useMemo, useRef } from "react";
+import { useMemo, useRef, useState } from "react";
 import { fresh } from "../../core/design/edit";
 import { PART_KINDS, type PartKind } from "../../core/design/fields";
 import { ofPart, weighed } from "../../core/design/mass";
@@ -6,7 +6,10 @@ import { furnished } from "../../core/design/standard";
 import type { Crane, Part } from "../../core/design/types";
 import { fixed, TONNE } from "../../core/units";
 import { useBench, useDesigner } from "../context";
+import { meshPart } from "../server";
 import { Form } from "./Form";
+
+const LENGTHS = ["mm", "cm", "m", "in", "ft"] as const;
 
 /** What a link is built from; without parts of its own it is drawn with standard ones. */
 export function Parts({ index, part, mass }: { index: number; part?: number; mass: number }) {
@@ -17,28 +20,23 @@ export function Parts({ index, part, mass }: { index: number; part?: number; mas
   const masses = useMemo(() => parts.map((item) => ofPart(item).mass), [parts]);
   const path = ["links", index, "parts"];
   const file = useRef<HTMLInputElement>(null);
+  const [unitless, setUnitless] = useState<File | null>(null);
+  const [refused, setRefused] = useState<string | null>(null);
   const put = (part: Part) => {
     designer.edit(`add ${part.kind}`, path, [...parts, part]);
     designer.select({ kind: "link", index, part: parts.length });
   };
   const add = (kind: PartKind) => (kind === "mesh" ? file.current?.click() : put(made(kind, crane, index)));
-  const take = async (chosen: File) => {
+  const take = async (chosen: File, unit: string) => {
+    setUnitless(null);
+    setRefused(null);
     try {
-      const { imported } = await import("./importing");
-      put(
-        await imported(
-          chosen,
-          fresh(
-            chosen.name.replace(/\.\w+$/, ""),
-            parts.map((item) => item.name),
-          ),
-        ),
-      );
-      designer.tell(
-        `${chosen.name} is a part of ${link.name} now: in metres, z up, in the frame of the link, solid inside.`,
-      );
+      const part = await meshPart(chosen, unit);
+      const names = parts.map((item) => item.name);
+      put({ ...part, name: fresh(part.name, names) });
+      designer.tell(`${chosen.name} is a part of ${link.name} now: z up, in the frame of the link, solid inside.`);
     } catch (error) {
-      designer.tell(`${chosen.name} is not taken: ${(error as Error).message}`, "wrong");
+      setRefused(`${chosen.name} is not taken. ${(error as Error).message}`);
     }
   };
   return (
@@ -123,9 +121,26 @@ export function Parts({ index, part, mass }: { index: number; part?: number; mas
         onChange={(event) => {
           const chosen = event.currentTarget.files?.[0];
           event.currentTarget.value = "";
-          if (chosen) void take(chosen);
+          if (!chosen) return;
+          if (/\.stl$/i.test(chosen.name)) setUnitless(chosen);
+          else void take(chosen, "m");
         }}
       />
+      {unitless && (
+        <p className="tools" aria-live="polite">
+          An STL has no unit. One in {unitless.name} is one{" "}
+          {LENGTHS.map((unit) => (
+            <button key={unit} type="button" data-testid={`mesh-${unit}`} onClick={() => take(unitless, unit)}>
+              {unit}
+            </button>
+          ))}
+        </p>
+      )}
+      {refused && (
+        <p className="wrong" role="alert" data-testid="mesh-refused">
+          {refused}
+        </p>
+      )}
     </fieldset>
   );
 }

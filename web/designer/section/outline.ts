@@ -1,7 +1,7 @@
 // Parts as seen from the side, in the plane of their link.
-import { decoded } from "../../core/design/mesh";
+import { mesh } from "../../core/design/mesh";
 import type { Point } from "../../core/design/plane";
-import type { Part } from "../../core/design/types";
+import type { Imported, Part } from "../../core/design/types";
 
 export interface Outline {
   readonly points: readonly Point[];
@@ -57,7 +57,7 @@ export function outline(part: Part): Outline[] {
     case "drum":
       return [round(part.x, part.z, part.flange), round(part.x, part.z, part.radius)];
     case "mesh":
-      return [{ points: hull(decoded(part.surface).vertices) }];
+      return [{ points: hullOf(part) }];
     case "box": {
       const [x, , z] = part.centre;
       const [w, h] = [0.5 * part.size[0], 0.5 * part.size[2]];
@@ -77,6 +77,15 @@ export function outline(part: Part): Outline[] {
 
 function round(x: number, z: number, radius: number): Outline {
   return { points: [], circle: [x, z, Math.max(radius, 0)] };
+}
+
+const hulls = new WeakMap<Imported, Point[]>();
+
+/** Made once for each mesh: it is drawn in every frame. */
+function hullOf(part: Imported): Point[] {
+  const found = hulls.get(part) ?? hull(mesh(part).vertices);
+  hulls.set(part, found);
+  return found;
 }
 
 /** The convex hull of vertices seen along y (monotone chain). */

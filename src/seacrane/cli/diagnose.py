@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from seacrane.errors import ParameterError
 
-from .arguments import Commands, output
+from .arguments import Commands, output, picture
 from .run import settings_of, tell_surprises
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def add(commands: Commands) -> None:
         "--patience", type=float, default=60.0, metavar="S", help="longest run, by the clock [s] (60)"
     )
     diagnose.add_argument("--json", type=output, metavar="FILE", help="write all that was measured")
-    diagnose.add_argument("--plot", type=output, metavar="FILE", help="plot error against cost (SVG, PNG or PDF)")
+    diagnose.add_argument("--plot", type=picture, metavar="FILE", help="plot error against cost (SVG, PNG or PDF)")
     diagnose.set_defaults(run=_run)
 
 

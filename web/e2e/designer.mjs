@@ -244,6 +244,16 @@ async function works_by_keyboard_alone() {
   await page.context().close();
 }
 
+async function steps_into_the_simulation() {
+  const page = await open();
+  const load = Number(await page.getByTestId("load").getAttribute("data-value"));
+  const [operation] = await Promise.all([page.waitForEvent("popup"), page.getByTestId("simulate").click()]);
+  await operation.locator("[data-testid=state][data-state=running]").waitFor({ timeout: PATIENCE });
+  assert.ok(load > 1000, `a load of ${load} kg`);
+  assert.match(await operation.locator("header").innerText(), /offshore-100t/);
+  await page.context().close();
+}
+
 async function recovers_the_work_after_a_reload() {
   const page = await open();
   await drag(page, "end-jib", 40, 0);
@@ -304,6 +314,7 @@ try {
   await shows_what_cannot_be_built_in_place_and_in_words();
   await works_by_keyboard_alone();
   await recovers_the_work_after_a_reload();
+  await steps_into_the_simulation();
   await has_no_serious_violation_and_looks_well();
   console.log("all well");
 } finally {

@@ -42,7 +42,7 @@ export function fitting(crane: Crane, posture: Posture): Posture {
 
 function resting({ limits, kind }: Joint): number {
   if (!limits) return 0;
-  return kind === "prismatic" ? limits[0] : limits[0] + 0.6 * (limits[1] - limits[0]);
+  return limits[0] + (kind === "prismatic" ? 0.4 : 0.6) * (limits[1] - limits[0]);
 }
 
 /** To the next whole multiple of a step. */

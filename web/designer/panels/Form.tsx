@@ -85,7 +85,12 @@ function One({ name, field, path, owner }: { name: string; field: Field; path: P
     case "vector":
       if (value == null) return <Absent field={field} path={path} start={[-0.5, 0.5]} />;
       return (
-        <fieldset className="vector" title={field.hint} data-wrong={Boolean(problem)}>
+        <fieldset
+          className="vector"
+          title={field.hint}
+          data-count={field.unit === "kg.m2" ? 1 : field.count}
+          data-wrong={Boolean(problem)}
+        >
           <legend>{field.label}</legend>
           {field.parts.map((part, i) => (
             <Item

@@ -17,7 +17,7 @@ export function scaleEnd(load: Float32Array): number {
   for (let i = 0; i < load.length; i += stride) if (load[i] > 0) seen.push(load[i]);
   if (seen.length === 0) return 1000;
   seen.sort((a, b) => a - b);
-  return Number(seen[Math.floor(0.97 * (seen.length - 1))].toPrecision(2));
+  return Number(seen[Math.floor(0.93 * (seen.length - 1))].toPrecision(2));
 }
 
 /** Places for the loads of the contours: on their contour, well inside the section, far from each other. */

@@ -5,6 +5,7 @@ BIN    := $(VENV)/bin
 PAGE   := src/seacrane/server/page/index.html
 WEB    := $(shell find web -path web/node_modules -prune -o -type f -print 2>/dev/null)
 ARGS   ?=
+BY_THE_CLOCK := tests/contract tests/e2e tests/unit/server tests/unit/cosim/test_cosim_faults.py tests/unit/cosim/test_cosim_pacing.py
 
 .PHONY: demo test foreign-platforms check setup browser docs format clean
 .DELETE_ON_ERROR:
@@ -40,9 +41,10 @@ browser:
 	  DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium; } || \
 	  { echo "The browser tests need chromium: sudo apt-get install chromium"; exit 1; }
 
-# Two workers (tests/conftest.py says how they share), in the order of the files: what takes longest is not last.
+# What runs by the clock or in a browser runs alone, after all else on two workers in the order of the files.
 test: setup browser $(VENV)/.tools
-	$(BIN)/python -m pytest -n 2 --no-loadscope-reorder
+	$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder $(addprefix --ignore=,$(BY_THE_CLOCK))
+	$(BIN)/python -m pytest $(BY_THE_CLOCK)
 	cd web && npm test
 
 # Exported binaries for aarch64 Linux and Windows, run by emulators.

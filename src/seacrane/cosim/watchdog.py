@@ -23,7 +23,7 @@ _LOOKS: Final = 5
 
 @dataclass(frozen=True)
 class Late:
-    """A call of `slave` that had taken `seconds` of wall time when it was noticed, in a macro step after `time` [s]."""
+    """A call of `slave` that had taken `seconds` of wall time when last looked at, in a macro step after `time` [s]."""
 
     slave: str
     seconds: float
@@ -63,14 +63,16 @@ class Watchdog:
             moved = (calls != before) | (calls % 2 == 0)
             since[moved], told[moved] = now, self.limit
             before = calls
-            for i in np.flatnonzero(now - since > told):
-                told[i] = 2 * (now - since[i])
-                self._tell(Late(self._slaves[i], float(now - since[i]), self.time))
+            for i in np.flatnonzero(now - since > self.limit):
+                late = Late(self._slaves[i], float(now - since[i]), self.time)
+                self.late = [*(known for known in self.late if known.slave != late.slave), late]
+                if self.end:
+                    self._stop[0] = 1
+                if late.seconds > told[i]:
+                    told[i] = 2 * late.seconds
+                    self._tell(late)
 
     def _tell(self, late: Late) -> None:
-        self.late = [*(known for known in self.late if known.slave != late.slave), late]
-        if self.end:
-            self._stop[0] = 1
         _log.warning(
             "%s: has been at work for %.3g s in a macro step after t = %.9g s; the limit is %.3g s",
             late.slave,

@@ -150,17 +150,18 @@ def test_an_output_that_is_not_finite_stops_in_its_macro_step(loop, value):
 # ---------------------------------------------------------------- slaves that take too long
 def napping(t, h, u):
     if t >= 0.375:
-        time.sleep(0.5)
+        time.sleep(1.0)
     return [t]
 
 
 @LOOPS
-@pytest.mark.parametrize("slave", [Obedient(work=0.5), FunctionSlave(napping, [Variable("u")], [Variable("y")])])
+@pytest.mark.parametrize("slave", [Obedient(work=1.0), FunctionSlave(napping, [Variable("u")], [Variable("y")])])
 def test_a_slave_that_takes_too_long_is_named_while_it_does_and_ends_the_run(loop, slave, caplog):
     system = System("s", {"clock": FunctionSlave(lambda t, h, u: [t], outputs=[Variable("t")]), "c": slave})
     system.connect("clock.t", "c.u")
     with Execution(system, GaussSeidel(0.125), loop=loop, time_limit=0.1) as run:
         recorder = run.record(["c.y"])
+        began = time.time()
         with pytest.raises(CosimError) as caught:
             run.advance(2.0)
         returned = time.time()
@@ -169,9 +170,9 @@ def test_a_slave_that_takes_too_long_is_named_while_it_does_and_ends_the_run(loo
     message = str(caught.value)
     took = re.match(r"c: took too long in the step from t = 0\.375 to 0\.5 s \(got ([\d.]+)\);", message)
     assert took, message
-    assert float(took[1]) >= 0.4
+    assert 0.5 < float(took[1]) <= returned - began
     assert message.endswith("allowed: at most 0.1 s of wall time")
-    assert caplog.messages[0].startswith("c: has been at work for 0.1")
+    assert re.match(r"c: has been at work for 0\.\d+ s in a macro step after t = 0\.375 s", caplog.messages[0])
     assert returned - caplog.records[0].created > 0.2
     assert recorder.recording().time.tolist() == [0.0, 0.125, 0.25, 0.375, 0.5]
 
@@ -179,9 +180,10 @@ def test_a_slave_that_takes_too_long_is_named_while_it_does_and_ends_the_run(loo
 def test_a_run_may_go_on_after_a_late_step_if_that_is_wanted(caplog):
     slow = FunctionSlave(napping, [Variable("u")], [Variable("y")])
     with Execution(System("s", {"c": slow}), GaussSeidel(0.125), time_limit=0.1, when_late="warn") as run:
+        began = time.time()
         run.advance(0.5)
         assert (run.time, run.late[0].slave) == (0.5, "c")
-        assert 0.1 < run.late[0].seconds < 0.6
+        assert 0.5 < run.late[0].seconds <= time.time() - began
     assert "the limit is 0.1 s" in caplog.text
 
 

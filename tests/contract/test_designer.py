@@ -14,7 +14,7 @@ import httpx
 import msgspec
 import pytest
 
-from seacrane import design
+from seacrane import design, studies
 from seacrane.design import archive, mass, mesh
 from seacrane.design.parts import Box, Imported
 from seacrane.errors import ServerError
@@ -217,6 +217,28 @@ def test_a_search_goes_on_as_if_it_had_not_ended(tmp_path: Path) -> None:
             resumed = await client.post("api/design/optimise/resume", json={"generations": 3})
             assert resumed.json()["front"]["generation"] == 1
             assert await ended(client) == whole
+
+    asyncio.run(scenario())
+
+
+def test_a_saved_front_is_opened_and_gone_on_from_and_a_damaged_one_is_refused(tmp_path: Path) -> None:
+    async def scenario() -> None:
+        crane = design.load("offshore-100t")
+        variables = [studies.Variable("links[jib].length", 10, 18)]
+        first, _, third = studies.optimise(
+            crane, variables, [studies.Goal("reach"), studies.Goal("weight")], population=8, generations=2
+        )
+        studies.save(first, tmp_path / "front.json")
+        async with desk(tmp_path) as client:
+            opened = await client.post("api/design/optimise/open", content=(tmp_path / "front.json").read_bytes())
+            assert opened.json()["front"] == studies.plain(first)
+            assert len(opened.json()["stands"]) == 2
+            await client.post("api/design/optimise/resume", json={"generations": 2})
+            assert (await ended(client))["front"] == studies.plain(third)
+            refused = await client.post("api/design/optimise/open", content=b'{"format": "seacrane-crane/1"}')
+            assert refused.status_code == 422
+            assert "is not a saved optimisation" in refused.text
+            assert (await client.get("api/design/optimise")).json()["front"] == studies.plain(third)
 
     asyncio.run(scenario())
 

@@ -13,6 +13,7 @@
     GET  api/design/optimise    {running, generations, front, stands, problems}: the front so far (see `studies`), and
                                 what the crane that the search began with reaches in each goal
     POST api/design/optimise/stop
+    POST api/design/optimise/open     a saved front -> takes the place of the search, to go on from
     POST api/design/optimise/resume   generations in all -> the search goes on from its front
 
 A request that is wrong gets 422 with all problems; each as path, message, value, allowed, hint.
@@ -119,6 +120,7 @@ class Desk:
             Route("/api/design/optimise", _told(self._optimise), methods=["POST"]),
             Route("/api/design/optimise", self._front_so_far),
             Route("/api/design/optimise/stop", self._stop_search, methods=["POST"]),
+            Route("/api/design/optimise/open", _told(self._open_front), methods=["POST"]),
             Route("/api/design/optimise/resume", _told(self._resume), methods=["POST"]),
         ]
         if (self._page / "designer.html").is_file():
@@ -211,6 +213,12 @@ class Desk:
             raise ParameterError.at("generations, population", "must be whole numbers", allowed="1 to 1000")
         search = studies.optimise(crane, variables, goals, population=population, generations=generations)
         await self._begin(search, generations)
+        return await self._front_so_far(request)
+
+    async def _open_front(self, request: Request) -> Response:
+        front = studies.loads(await _body(request, LARGEST_DESIGN))
+        search = studies.optimise(front.crane, (), (), generations=front.generation, state=front)
+        await self._begin(search, front.generation)
         return await self._front_so_far(request)
 
     async def _resume(self, request: Request) -> Response:

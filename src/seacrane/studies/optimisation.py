@@ -27,6 +27,9 @@ FORMAT: Final = "seacrane-optimisation/1"
 
 GOALS: Final = ("reach", "weight", "capacity")
 
+LEAST_POPULATION: Final = 4
+"""Fewer candidates do not make a generation."""
+
 _POSTURES: Final = {1: 400, 2: 90, 3: 24}
 """Postures per joint for the loads of a candidate, by the number of joints in the plane."""
 
@@ -174,14 +177,45 @@ def plain(front: Front) -> dict[str, Any]:
 
 def read(path: str | os.PathLike[str]) -> Front:
     """A front that `save` has written. `ParameterError` if it is not one."""
-    name = os.fspath(path)
-    data = documents.parsed(documents.read(path, ParameterError), name, ParameterError)
+    return loads(documents.read(path, ParameterError), origin=os.fspath(path))
+
+
+def loads(content: bytes | str, *, origin: str = "the front") -> Front:
+    """The front in the text of a file that `save` has written. `ParameterError`, naming `origin`, if it is not one."""
+    data = documents.parsed(content, origin, ParameterError)
     if not isinstance(data, dict) or data.get("format") != FORMAT:
-        raise ParameterError.at(name, "is not a saved optimisation", allowed=repr(FORMAT))
-    crane = design.loads(json.dumps(data["crane"]), origin=name)
+        raise ParameterError.at(origin, "is not a saved optimisation", allowed=repr(FORMAT))
+    crane = design.loads(json.dumps(data.get("crane")), origin=origin)
     variables, goals = specification(data, crane)
-    arrays = (np.asarray(data[key], float) for key in ("values", "results", "violation"))
-    return Front(crane, variables, goals, int(data["seed"]), int(data["generation"]), *arrays)
+    problems = [
+        Problem(f"{origin}.{key}", "must be a whole number, 0 or more", data.get(key))
+        for key in ("seed", "generation")
+        if not isinstance(data.get(key), int) or isinstance(data.get(key), bool) or data[key] < 0
+    ]
+    values = _table(data, "values", len(variables), origin, problems)
+    results = _table(data, "results", len(goals), origin, problems)
+    violations = _table(data, "violation", 0, origin, problems)
+    if not len(values) == len(results) == len(violations):
+        problems.append(Problem(origin, "must have as many results and violations as values"))
+    elif not problems and len(values) < LEAST_POPULATION:
+        problems.append(Problem(origin, "has too few candidates", len(values), f"{LEAST_POPULATION} or more"))
+    if problems:
+        raise ParameterError(problems)
+    return Front(crane, variables, goals, data["seed"], data["generation"], values, results, violations)
+
+
+def _table(data: Mapping[str, Any], key: str, columns: int, origin: str, problems: list[Problem]) -> Array:
+    """Finite numbers, a row of `columns` for each candidate, or one number where `columns` is 0."""
+    shape = (-1, columns) if columns else (-1,)
+    try:
+        table = np.array(data.get(key), dtype=float)
+        if table.shape == (len(table), *shape[1:]) and np.isfinite(table).all():
+            return table
+    except (TypeError, ValueError):
+        pass
+    allowed = f"rows of {columns} finite numbers" if columns else "finite numbers"
+    problems.append(Problem(f"{origin}.{key}", "must be a list, an item for each candidate", allowed=allowed))
+    return np.empty((0, *shape[1:]))
 
 
 # ---------------------------------------------------------------- one generation after the other
@@ -293,8 +327,9 @@ def _check(crane: Crane, variables: Sequence[Variable], goals: Sequence[Goal], p
         problems.append(Problem("variables", "there is nothing that may change", allowed=changes.PATHS))
     if len(goals) < 2:
         problems.append(Problem("goals", "a front needs two goals or more", len(goals), ", ".join(GOALS)))
-    if not 4 <= population <= 1000:
-        problems.append(Problem("population", "is out of range", population, "4 to 1000"))
+    if not LEAST_POPULATION <= population <= 1000:
+        allowed = f"{LEAST_POPULATION} to 1000"
+        problems.append(Problem("population", "is out of range", population, allowed))
     for variable in variables:
         changes.value(crane, variable.path)
         if not variable.low < variable.high:

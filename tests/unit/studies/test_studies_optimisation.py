@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -112,6 +114,25 @@ def test_bad_specifications_and_files_are_refused_in_words(tmp_path: Path) -> No
     (tmp_path / "other.json").write_text("{}")
     with pytest.raises(ParameterError, match="is not a saved optimisation"):
         studies.read(tmp_path / "other.json")
+
+
+def test_a_damaged_front_is_refused_with_all_that_is_wrong(fronts: list[Front]) -> None:
+    whole = plain(fronts[0])
+    for damage, messages in (
+        ({"values": None, "seed": -1}, [r"values: must be a list", "seed: must be a whole number, 0 or more"]),
+        ({"values": [[1.0, 2.0]] * 16}, ["allowed: rows of 3 finite numbers"]),
+        ({"results": [[1.0, 2.0, "x"]] * 16}, ["results: must be a list"]),
+        ({"violation": [float("inf")] * 16}, ["violation: must be a list"]),
+        ({"violation": [0.0] * 15}, ["as many results and violations as values"]),
+        ({key: whole[key][:3] for key in ("values", "results", "violation")}, ["too few candidates"]),
+        ({"generation": True}, ["generation: must be a whole number"]),
+    ):
+        with pytest.raises(ParameterError) as refused:
+            studies.loads(json.dumps({**whole, **damage}))
+        for message in messages:
+            assert re.search(message, str(refused.value))
+    with pytest.raises(DesignError, match="the front"):
+        studies.loads(json.dumps({**whole, "crane": None}))
 
 
 def test_a_front_is_plain_data_for_a_page(fronts: list[Front]) -> None:

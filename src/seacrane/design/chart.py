@@ -20,8 +20,10 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +39,9 @@ NOTHING = "nothing"
 
 _STROKE_MARGIN = 0.01
 """Share of the stroke below which the oil column is not taken shorter: ports and heads hold that much."""
+
+_BLOCK = 8000
+"""Postures whose loads are worked out at once: arrays of 64 kB, some dozens of which the second-level cache holds."""
 
 _LEAST_HANG = 1.0
 """Least height of the tip above the sea [m] in the lead of the load and the length of the rope."""
@@ -102,27 +107,41 @@ def capacity(crane: Crane, postures: Postures, mode: Mode = HARBOUR) -> Capacity
 
     `DesignError` if the crane does not move in one plane.
     """
-    lift = _Lift(crane, postures, mode)
     shape = np.broadcast_shapes(*(np.shape(q) for q in postures.values()))
-    swl, governs = np.full(shape, np.inf), np.zeros(shape, dtype=np.int8)
-    for index, most in enumerate(lift.loads()):
-        if index == 0:
-            swl[...] = most
-            continue
-        less = most < swl
-        np.copyto(swl, most, where=less)
-        governs[less] = index
-    swl -= crane.hoist.hook_mass
-    np.maximum(swl, 0.0, out=swl)
-    x, z = lift.tip
-    return Capacity(np.broadcast_to(x, shape), np.broadcast_to(z, shape), swl, governs, limits(crane))
+    found = Capacity(np.empty(shape), np.empty(shape), np.empty(shape), np.zeros(shape, np.int8), limits(crane))
+    retracted = _retracted(crane)
+    for some, rows in _blocks(postures, shape):
+        lift = _Lift(crane, some, mode, retracted)
+        found.radius[rows], found.height[rows] = lift.tip
+        lift.hardest(found.swl[rows], found.governs[rows])
+    np.maximum(found.swl - crane.hoist.hook_mass, 0.0, out=found.swl)
+    return found
 
 
-def each_limit(crane: Crane, posture: dict[str, float], mode: Mode = HARBOUR) -> dict[str, float]:
+def _retracted(crane: Crane) -> list[float]:
+    return [retracted_length(crane, cylinder) for cylinder in crane.cylinders]
+
+
+def _blocks(postures: Postures, shape: tuple[int, ...]) -> Iterator[tuple[Postures, Any]]:
+    """Postures in runs along their first axis, each few enough for the processor's cache, and where in `shape`."""
+    if not shape:
+        yield postures, ...
+        return
+    each = max(1, _BLOCK // max(1, math.prod(shape[1:])))
+    for start in range(0, shape[0], each):
+        rows = slice(start, start + each)
+        yield (
+            {name: q[rows] if np.ndim(q) == len(shape) and len(q) > 1 else q for name, q in postures.items()},
+            rows,
+        )
+
+
+def each_limit(crane: Crane, posture: Mapping[str, float], mode: Mode = HARBOUR) -> dict[str, float]:
     """For one posture: by the name of each limit, what could be lifted if it were the only one [kg]."""
-    lift = _Lift(crane, {name: np.asarray(q) for name, q in posture.items()}, mode)
-    loads = (max(0.0, float(load) - crane.hoist.hook_mass) for load in lift.loads())
-    return dict(zip(limits(crane), loads, strict=False))
+    lift = _Lift(crane, {name: np.asarray(q) for name, q in posture.items()}, mode, _retracted(crane))
+    masses = itertools.chain((lift.steady(share) for share in lift.shares()), lift.static())
+    loads = [max(0.0, float(mass) - crane.hoist.hook_mass) for mass in masses]
+    return dict(zip(limits(crane), loads or [math.inf], strict=True))
 
 
 @dataclass(frozen=True)
@@ -144,17 +163,16 @@ def curve(crane: Crane, mode: Mode = HARBOUR, *, radii: Sequence[float] | None =
     moment, which is exact where a moment governs and changes it by less than the width over the radius elsewhere.
     """
     joints = len(plane_joints(crane))
-    postures = grid(crane, count or _COUNTS.get(joints, 16))
+    postures = grid(crane, count or COUNTS.get(joints, 16))
     found = capacity(crane, postures, mode)
     reach = found.radius.ravel()
     wanted = _whole(reach) if radii is None else np.asarray(radii, float)
     spacing = np.min(np.diff(np.sort(wanted))) if len(wanted) > 1 else 1.0
     band = min(0.125, 0.25 * float(spacing)) if spacing > 0 else 0.125
-    order = np.argsort(reach, kind="stable")
-    ordered, loads = reach[order], found.swl.ravel()
+    loads = found.swl.ravel()
     rows = []
     for radius in wanted:
-        inside = order[np.searchsorted(ordered, radius - band) : np.searchsorted(ordered, radius + band, "right")]
+        inside = np.flatnonzero((reach >= radius - band) & (reach <= radius + band))
         if not inside.size:
             continue
         best = int(inside[np.argmax(loads[inside] * np.minimum(1.0, reach[inside] / radius))])
@@ -171,7 +189,7 @@ def to_csv(rows: Sequence[Row]) -> str:
     return "\n".join(["mode,radius_m,swl_t,governs", *lines]) + "\n"
 
 
-_COUNTS = {1: 2000, 2: 256, 3: 40, 4: 16}
+COUNTS = {1: 2000, 2: 256, 3: 40, 4: 16}
 """Postures per joint of a curve, by the number of joints in the plane."""
 
 
@@ -198,54 +216,70 @@ def _meeting_speed(crane: Crane, mode: Mode) -> float:
 
 
 class _Lift:
-    """The lift of a load in a set of postures: what each limit leaves for the hook with its load [kg]."""
+    """The lift of a load in a set of postures, limit by limit.
 
-    def __init__(self, crane: Crane, postures: Postures, mode: Mode) -> None:
-        self.crane, self.mode = crane, mode
+    What a limit leaves is worked out as its inverse, the share of it that each newton on the hook takes: the limit that
+    governs is the one of the largest share, and one that the crane itself exceeds is taken whole, a share without end.
+    """
+
+    def __init__(self, crane: Crane, postures: Postures, mode: Mode, retracted: Sequence[float]) -> None:
+        """`retracted`: of the cylinders in their order, the same for all postures [m]."""
+        self.crane, self.mode, self.retracted = crane, mode, retracted
         self.plane = Plane(crane, postures)
         self.tip = self.plane.tip()
         heel = crane.rating.heel
         self.up = -math.sin(heel), math.cos(heel)
         self.hang = np.maximum(self.tip[1] + crane.pedestal[2], _LEAST_HANG)
-        self.lead = (2.5 + 1.5 * mode.wave_height) / self.hang if mode.at_sea else np.zeros(())
-        self.joints = [joint.name for joint in plane_joints(crane)]
+        self.lead = (2.5 + 1.5 * mode.wave_height) / self.hang
+        joints = {cylinder.moves for cylinder in crane.cylinders} | {item.joint for item in crane.rating.structure}
+        self.own = {joint: GRAVITY * self.plane.own_moment(joint, self.up) for joint in joints}
+        self.loads = {joint: self._load_levers(joint) for joint in joints}
         self.levers = {c.name: self.plane.distance_by_joint(c.moves, c.base, c.eye) for c in crane.cylinders}
-        self.impact = self._impact() if mode.at_sea else None
 
-    def loads(self) -> Iterator[Array]:
-        """What each limit leaves, in the order of `limits` [kg]."""
-        dynamic = (self._steady(force / GRAVITY) for force in self._dynamic())
-        static = (moment / GRAVITY for moment in self._static())
-        found = itertools.chain(dynamic, static)
-        first = next(found, None)
-        yield np.asarray(np.inf) if first is None else first
-        yield from found
+    def hardest(self, mass: Array, governs: NDArray[np.int8]) -> None:
+        """Fill in what all limits together leave for hook and load [kg], and which limit leaves the least."""
+        taken, count = np.zeros(mass.shape), 0
+        for share in self.shares():
+            # The index grows from limit to limit: the largest is that of the last which was worse than all before.
+            np.maximum(governs, (share > taken).view(np.int8) * np.int8(count), out=governs)
+            np.maximum(taken, share, out=taken)
+            count += 1
+        mass[...] = self.steady(taken)
+        for most in self.static():
+            np.maximum(governs, (most < mass).view(np.int8) * np.int8(count), out=governs)
+            np.minimum(mass, most, out=mass)
+            count += 1
 
-    def _steady(self, borne: Array) -> Array:
-        """The mass whose weight with dynamics is what is borne, psi m = borne [kg]."""
-        steady = borne / self.crane.rating.harbour_factor
-        if self.impact is None:
-            return steady
-        b = self.impact
-        with np.errstate(invalid="ignore"):
-            root = 0.5 * (np.sqrt(b * b + 4 * np.maximum(borne, 0.0)) - b)
-        return np.minimum(steady, np.where(np.isinf(borne), np.inf, root * root))
+    def steady(self, share: Array) -> Array:
+        """The mass whose weight with dynamics uses up a limit of which each newton takes this share [1/N] [kg]."""
+        with np.errstate(divide="ignore"):
+            borne = 1.0 / (GRAVITY * share)
+        steady: Array = borne / self.crane.rating.harbour_factor
+        if self.mode.at_sea:
+            b = self._impact
+            with np.errstate(invalid="ignore"):  # where nothing is a limit, nothing is subtracted from without end
+                root = 0.5 * (np.sqrt(b * b + 4.0 * borne) - b)
+            steady = np.fmin(steady, root * root)
+        return steady
 
+    @cached_property
     def _impact(self) -> Array:
         """b = v_r sqrt(k) / g [sqrt(kg)]."""
         hoist = self.crane.hoist
         speed = 0.5 * hoist.speed / hoist.falls + _meeting_speed(self.crane, self.mode)
-        return speed * np.sqrt(self._stiffness()) / GRAVITY
+        impact: Array = speed / GRAVITY / np.sqrt(self._compliance())
+        return impact
 
-    def _stiffness(self) -> Array:
-        """Vertical stiffness at the hook [N/m]: rope and oil columns in series; the structure is taken as rigid."""
+    def _compliance(self) -> Array:
+        """Vertical give at the hook [m/N]: rope and oil columns in series; the structure is taken as rigid."""
         hoist = self.crane.hoist
-        compliance = (self.plane.rope_length() / hoist.falls**2 + self.hang / hoist.falls) / hoist.rope.EA
-        for cylinder in self.crane.cylinders:
-            ratio = _over(self._load_levers(cylinder.moves)[0], self.levers[cylinder.name])
-            oil = _oil_stiffness(self.crane, cylinder, self.plane.distance(cylinder.base, cylinder.eye))
-            compliance = compliance + np.where(np.isfinite(ratio), ratio * ratio, 0.0) / oil
-        return 1.0 / compliance
+        total = (self.plane.rope_length() / hoist.falls**2 + self.hang / hoist.falls) / hoist.rope.EA
+        for cylinder, retracted in zip(self.crane.cylinders, self.retracted, strict=True):
+            lever, (plumb, _) = self.levers[cylinder.name], self.loads[cylinder.moves]
+            oil = _oil_stiffness(self.crane, cylinder, self.plane.distance(cylinder.base, cylinder.eye) - retracted)
+            give = np.divide(1.0, oil * lever * lever, out=np.zeros_like(lever), where=lever != 0)
+            total = total + plumb * plumb * give
+        return total
 
     def _load_levers(self, joint: str) -> tuple[Array, Array]:
         """d(height of the hook along the load's line)/d(coordinate), rope and all: hanging plumb, and led outboard."""
@@ -253,47 +287,41 @@ class _Lift:
         plumb = self.up[0] * dx + self.up[1] * dz + self.plane.rope_by_joint(joint) / self.crane.hoist.falls
         return plumb, plumb - self.lead * (self.up[1] * dx - self.up[0] * dz) if self.mode.at_sea else plumb
 
-    def _own(self, joint: str) -> Array:
-        return GRAVITY * self.plane.own_moment(joint, self.up)
-
-    def _dynamic(self) -> Iterator[Array]:
-        """Weights with dynamics [N] at the limits that dynamics use up."""
+    def shares(self) -> Iterator[Array]:
+        """What each newton on the hook takes of each limit that dynamics use up, in the order of `limits` [1/N]."""
         crane, rating, hoist = self.crane, self.crane.rating, self.crane.hoist
         for cylinder in crane.cylinders:
             lever = self.levers[cylinder.name]
-            own = _over(self._own(cylinder.moves), lever)
-            loads = [_over(load, lever) for load in self._load_levers(cylinder.moves)]
-            push, pull = forces(cylinder)
-            yield _between(own, loads, -pull, push)
+            push, pull = (force * lever for force in forces(cylinder))
+            yield _share(
+                self.own[cylinder.moves], self.loads[cylinder.moves], np.minimum(push, -pull), np.maximum(push, -pull)
+            )
         for item in rating.structure:
-            yield _between(self._own(item.joint), self._load_levers(item.joint), -item.moment, item.moment)
+            yield _share(self.own[item.joint], self.loads[item.joint], -item.moment, item.moment)
         if rating.slew_moment is not None:
-            yield _between(*self._overturning(), -rating.slew_moment, rating.slew_moment)
-        eta = _reeving(hoist.falls, hoist.sheave_efficiency)
+            yield _share(*self._overturning(), -rating.slew_moment, rating.slew_moment)
+        carried = hoist.falls * _reeving(hoist.falls, hoist.sheave_efficiency)
         if hoist.rope.breaking_load is not None:
-            yield np.asarray(hoist.falls * eta * hoist.rope.breaking_load / hoist.rope.safety_factor)
+            yield np.asarray(hoist.rope.safety_factor / (carried * hoist.rope.breaking_load))
         if hoist.line_pull is not None:
-            yield np.asarray(hoist.falls * eta * hoist.line_pull)
+            yield np.asarray(1.0 / (carried * hoist.line_pull))
 
     def _overturning(self) -> tuple[Array, tuple[Array, Array]]:
         """Moment about the slewing ring of the crane itself [N.m] and of each newton on the hook [m]."""
-        up = self.up
-        own: Array = np.zeros(())
-        for link in self.crane.links:
-            x, z = self.plane.point(link.name, link.com[0], link.com[2])
-            own = own + GRAVITY * link.mass * (up[1] * x - up[0] * z)
+        up, (x, z) = self.up, self.plane.mass_moment()
+        own = GRAVITY * (up[1] * x - up[0] * z)
         x, z = self.tip
         plumb = up[1] * x - up[0] * z
-        return own, (plumb, plumb + self.lead * (up[0] * x + up[1] * z))
+        return own, (plumb, plumb + self.lead * (up[0] * x + up[1] * z) if self.mode.at_sea else plumb)
 
-    def _static(self) -> Iterator[Array]:
-        """Weights without dynamics [N] at the limits that take none."""
+    def static(self) -> Iterator[Array]:
+        """What each limit leaves that takes no dynamics, in the order of `limits` [kg]."""
         rating = self.crane.rating
         radius = np.maximum(self.tip[0], 1e-9)
         if rating.load_moment is not None:
-            yield rating.load_moment / radius
+            yield rating.load_moment / GRAVITY / radius
         if rating.heeling_moment is not None:
-            yield rating.heeling_moment / (radius + abs(self.crane.pedestal[1]))
+            yield rating.heeling_moment / GRAVITY / (radius + abs(self.crane.pedestal[1]))
 
 
 def forces(cylinder: Cylinder) -> tuple[float, float]:
@@ -307,11 +335,11 @@ def _areas(cylinder: Cylinder) -> tuple[float, float]:
     return quarter * cylinder.bore**2, quarter * (cylinder.bore**2 - cylinder.rod**2)
 
 
-def _oil_stiffness(crane: Crane, cylinder: Cylinder, length: Array) -> Array:
+def _oil_stiffness(crane: Crane, cylinder: Cylinder, extension: Array) -> Array:
     """Stiffness of both oil columns of a locked cylinder set [N/m]: beta (A_a / s + A_b / (stroke - s))."""
     bore, annulus = _areas(cylinder)
     margin = _STROKE_MARGIN * cylinder.stroke
-    out = np.clip(length - retracted_length(crane, cylinder), margin, cylinder.stroke - margin)
+    out = np.clip(extension, margin, cylinder.stroke - margin)
     return crane.bulk_modulus * (bore / out + annulus / (cylinder.stroke - out))
 
 
@@ -320,17 +348,15 @@ def _reeving(falls: int, sheave: float) -> float:
     return sum(sheave**i for i in range(falls)) / falls
 
 
-def _over(moment: Array, lever: Array) -> Array:
-    """Force of a cylinder that holds a moment; infinite, with the moment's sign, where it has no lever."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.divide(moment, lever)
+def _share(own: Array, loads: tuple[Array, Array], low: Array | float, high: Array | float) -> Array:
+    """1/W of the largest W for which low < own + W load < high holds for both of `loads`; no end if for none.
 
-
-def _between(own: Array, loads: Sequence[Array], low: float, high: float) -> Array:
-    """The largest W >= 0 with low <= own + W load <= high for both of `loads`; 0 where `own` alone is outside."""
+    Of the room to the two ends a load takes a positive share of the one that it tends to, a negative of the other.
+    """
     first, second = loads
     up, down = (first, first) if first is second else (np.maximum(first, second), np.minimum(first, second))
+    above, below = high - own, low - own
     with np.errstate(divide="ignore", invalid="ignore"):
-        most = np.minimum(np.where(up > 0, (high - own) / up, np.inf), np.where(down < 0, (low - own) / down, np.inf))
-    held: Array = np.where((own >= low) & (own <= high), np.maximum(most, 0.0), 0.0)
-    return held
+        share = np.asarray(np.maximum(up / above, down / below))
+    share[(above <= 0) | (below >= 0)] = np.inf
+    return share

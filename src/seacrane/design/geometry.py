@@ -85,16 +85,37 @@ def cylinder_length(crane: Crane, cylinder: Cylinder, posture: Posture) -> float
 
 
 def cylinder_range(crane: Crane, cylinder: Cylinder) -> tuple[float, float]:
-    """Shortest and longest length between the pins [m] over the limits of the joint that the cylinder moves.
+    """Shortest and longest length between the pins of a cylinder [m] over the limits of the joint that it moves.
 
-    The joint must have limits. Sampled over the range; the exact length at both ends is included, and an inner
-    extreme is off by no more than the curvature of the length over half a sample (below 0.1 mm for a real crane).
+    The joint must have limits; all others stand at zero. Sampled over the range; the exact length at both ends is
+    included, and an inner extreme is off by no more than the curvature of the length over half a sample (below 0.1 mm
+    for a real crane).
     """
-    joint = next(link.joint for link in crane.links if link.joint.name == cylinder.moves)
-    if joint.limits is None:
-        raise ValueError(f"joint {joint.name!r} has no limits")
-    lengths = [cylinder_length(crane, cylinder, {joint.name: q}) for q in np.linspace(*joint.limits, _SAMPLES)]
-    return min(lengths), max(lengths)
+    place, link = next((i, link) for i, link in enumerate(crane.links) if link.joint.name == cylinder.moves)
+    if link.joint.limits is None:
+        raise ValueError(f"joint {link.joint.name!r} has no limits")
+    coordinates = np.linspace(*link.joint.limits, _SAMPLES)
+    carried = {outer.name for outer in crane.links[place:]}
+    at = frames(crane, {})
+    base, eye = (
+        _carried_along(link.joint, at[link.name].origin, pin, coordinates if end.link in carried else np.zeros(1))
+        for end, pin in ((end, at[end.link].point((end.x, 0, end.z))) for end in (cylinder.base, cylinder.eye))
+    )
+    lengths = np.linalg.norm(eye - base, axis=1)
+    return float(lengths.min()), float(lengths.max())
+
+
+def _carried_along(joint: Joint, origin: Array, point: Array, coordinates: Array) -> Array:
+    """A point (3,) where a joint with its origin there has carried it (n, 3) [m], its axis as at zero in foot axes."""
+    axis, q = np.array(joint.axis, float), coordinates[:, None]
+    axis /= np.linalg.norm(axis)
+    if joint.kind == "prismatic":
+        slid: Array = point + q * axis
+        return slid
+    arm = point - origin
+    along = axis * (axis @ arm)
+    turned: Array = origin + along + np.cos(q) * (arm - along) + np.sin(q) * np.cross(axis, arm)
+    return turned
 
 
 def retracted_length(crane: Crane, cylinder: Cylinder) -> float:

@@ -12,11 +12,12 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from seacrane.design.crane import FOOT, Attachment, Crane, Joint, Link
+from seacrane.design.crane import FOOT, Attachment, Crane, Joint
 from seacrane.errors import DesignError, Problem
 
 Array = NDArray[np.float64]
@@ -26,14 +27,26 @@ Postures = Mapping[str, Array]
 
 @dataclass(frozen=True)
 class _Frame:
-    """A link's frame: origin, and the cosine and sine of its angle from the horizontal."""
+    """A link's frame as another sees it: origin, and the cosine and sine of the angle between them."""
 
     origin: Point
     cosine: Array
     sine: Array
 
-    def point(self, x: float, z: float) -> Point:
+    def point(self, x: Array | float, z: Array | float) -> Point:
         return self.origin[0] + x * self.cosine - z * self.sine, self.origin[1] + x * self.sine + z * self.cosine
+
+    def then(self, outer: _Frame) -> _Frame:
+        """The frame that this one sees as `outer`."""
+        return _Frame(
+            self.point(*outer.origin),
+            self.cosine * outer.cosine - self.sine * outer.sine,
+            self.sine * outer.cosine + self.cosine * outer.sine,
+        )
+
+
+_ONE, _ZERO = np.ones(()), np.zeros(())
+_SELF = _Frame((_ZERO, _ZERO), _ONE, _ZERO)
 
 
 def plane_joints(crane: Crane) -> tuple[Joint, ...]:
@@ -48,7 +61,7 @@ def check_plane(crane: Crane) -> list[Problem]:
     slew = crane.slew.joint if crane.slew else None
     for index, link in enumerate(crane.links):
         joint, path = link.joint, f"links[{link.name}].joint"
-        _, y, z = (c / math.hypot(*joint.axis) for c in joint.axis)
+        _, y, z = _direction(joint)
         if joint.name == slew:
             if index or joint.kind != "revolute" or abs(z) < 1 - 1e-9:
                 problems.append(
@@ -81,40 +94,45 @@ def grid(crane: Crane, count: int | Sequence[int]) -> dict[str, Array]:
 
 
 class Plane:
-    """The frames of a crane's links for a set of postures, and the derivatives of points by the joints."""
+    """The frames of a crane's links for a set of postures, and the derivatives of points by the joints.
+
+    What lies between two links is worked out as the inner one sees the outer one, so that its arrays have no more
+    dimensions than there are joints between them.
+    """
 
     def __init__(self, crane: Crane, postures: Postures) -> None:
         """`DesignError` if the crane does not move in one plane; every joint of the plane must be in `postures`."""
         if problems := check_plane(crane):
             raise DesignError(problems)
         self.crane = crane
-        self._joints: dict[str, tuple[int, Joint, _Frame]] = {}
-        """By joint: its place in the chain, itself, and the frame of its link."""
         self._place = {FOOT: -1} | {link.name: i for i, link in enumerate(crane.links)}
-        frame = _Frame((np.zeros(()), np.zeros(())), np.ones(()), np.zeros(()))
-        self._frames = {FOOT: frame}
-        for index, link in enumerate(crane.links):
-            frame = self._moved(frame, link, postures)
-            self._frames[link.name] = frame
-            if link.joint.name in postures:
-                self._joints[link.joint.name] = index, link.joint, frame
+        self._joints = {link.joint.name: (i, link.joint) for i, link in enumerate(crane.links)}
+        self._steps = [self._step(link.joint, postures) for link in crane.links]
+        self._seen: dict[tuple[int, int], _Frame] = {}
 
-    def _moved(self, before: _Frame, link: Link, postures: Postures) -> _Frame:
-        joint = link.joint
-        origin = before.point(joint.origin[0], joint.origin[2])
+    def _step(self, joint: Joint, postures: Postures) -> _Frame:
+        """The frame of a joint's link as the link before sees it."""
+        x, _, z = joint.origin
         if self.crane.slew and joint.name == self.crane.slew.joint:
-            return _Frame(origin, before.cosine, before.sine)
+            return _Frame((np.asarray(x), np.asarray(z)), _ONE, _ZERO)
         q = np.asarray(postures[joint.name], dtype=float)
-        ax, ay, az = (c / math.hypot(*joint.axis) for c in joint.axis)
+        ax, ay, az = _direction(joint)
         if joint.kind == "prismatic":
-            dx, dz = ax * before.cosine - az * before.sine, ax * before.sine + az * before.cosine
-            return _Frame((origin[0] + q * dx, origin[1] + q * dz), before.cosine, before.sine)
-        c, s = np.cos(q), np.sin(q) * -ay
-        return _Frame(origin, before.cosine * c - before.sine * s, before.sine * c + before.cosine * s)
+            return _Frame((x + q * ax, z + q * az), _ONE, _ZERO)
+        return _Frame((np.asarray(x), np.asarray(z)), np.cos(q), np.sin(q) * -ay)
+
+    def _frame(self, place: int, seen_from: int = -1) -> _Frame:
+        """The frame of a link as a link before it sees it, both by their place in the chain; the foot's is -1."""
+        if place == seen_from:
+            return _SELF
+        key = place, seen_from
+        if key not in self._seen:
+            self._seen[key] = self._frame(place - 1, seen_from).then(self._steps[place])
+        return self._seen[key]
 
     def point(self, link: str, x: float, z: float) -> Point:
         """A point fixed to a link [m]."""
-        return self._frames[link].point(x, z)
+        return self._frame(self._place[link]).point(x, z)
 
     def attachment(self, at: Attachment) -> Point:
         """Where a pin or sheave is [m]."""
@@ -126,48 +144,67 @@ class Plane:
 
     def origin(self, joint: str) -> Point:
         """The origin of the link that a joint carries [m]: on the axis of a revolute joint."""
-        return self._joints[joint][2].origin
-
-    def carries(self, joint: str, link: str) -> bool:
-        """Whether the joint moves the link."""
-        return self._joints[joint][0] <= self._place[link]
+        return self._frame(self._joints[joint][0]).origin
 
     def by_joint(self, joint: str, point: Point) -> Point:
         """d(point)/d(coordinate) of a point that the joint carries [m/rad, or 1]."""
-        _, what, frame = self._joints[joint]
-        ax, ay, az = (c / math.hypot(*what.axis) for c in what.axis)
+        return self._by_joint(joint, point, -1)
+
+    def _by_joint(self, joint: str, point: Point, seen_from: int) -> Point:
+        place, what = self._joints[joint]
+        ax, ay, az = _direction(what)
+        frame = self._frame(place, seen_from)
         if what.kind == "prismatic":
             return ax * frame.cosine - az * frame.sine, ax * frame.sine + az * frame.cosine
         return ay * (point[1] - frame.origin[1]), -ay * (point[0] - frame.origin[0])
 
     def distance(self, a: Attachment, b: Attachment) -> Array:
         """Distance between two pins [m]."""
-        (ax, az), (bx, bz) = self.attachment(a), self.attachment(b)
-        return np.hypot(bx - ax, bz - az)
+        (x, z), _ = self._apart(a, b)
+        length: Array = np.sqrt(x * x + z * z)
+        return length
 
     def distance_by_joint(self, joint: str, a: Attachment, b: Attachment) -> Array:
         """d(distance)/d(coordinate) of two pins [m/rad, or 1]: the lever of a cylinder or rope about the joint."""
-        outer, inner = (a, b) if self._place[a.link] >= self._place[b.link] else (b, a)
-        if self.carries(joint, inner.link) or not self.carries(joint, outer.link):
-            return np.zeros(())
-        moving, still = self.attachment(outer), self.attachment(inner)
-        dx, dz = self.by_joint(joint, moving)
-        ex, ez = moving[0] - still[0], moving[1] - still[1]
-        length = np.hypot(ex, ez)
-        lever: Array = np.divide(ex * dx + ez * dz, length, out=np.zeros_like(length), where=length > 0)
+        inner, outer = sorted((a, b), key=lambda pin: self._place[pin.link])
+        base = self._place[inner.link]
+        if not base < self._joints[joint][0] <= self._place[outer.link]:
+            return _ZERO
+        (x, z), moving = self._apart(a, b)
+        dx, dz = self._by_joint(joint, moving, base)
+        length = np.sqrt(x * x + z * z)
+        lever: Array = np.divide(x * dx + z * dz, length, out=np.zeros_like(length), where=length > 0)
         return lever
+
+    def _apart(self, a: Attachment, b: Attachment) -> tuple[Point, Point]:
+        """From the inner to the outer of two pins, and where the outer is, as the link of the inner sees them [m]."""
+        inner, outer = sorted((a, b), key=lambda pin: self._place[pin.link])
+        x, z = self._frame(self._place[outer.link], self._place[inner.link]).point(outer.x, outer.z)
+        return (x - inner.x, z - inner.z), (x, z)
+
+    @cached_property
+    def _carried(self) -> list[tuple[float, Array, Array]]:
+        """By place in the chain: the mass of a link with all it carries [kg], and its moments about the foot [kg.m]."""
+        mass, moment_x, moment_z = 0.0, _ZERO, _ZERO
+        sums = []
+        for link in reversed(self.crane.links):
+            x, z = self.point(link.name, link.com[0], link.com[2])
+            mass, moment_x, moment_z = mass + link.mass, moment_x + link.mass * x, moment_z + link.mass * z
+            sums.append((mass, moment_x, moment_z))
+        return sums[::-1]
+
+    def mass_moment(self) -> Point:
+        """Mass times position of the whole crane, from the foot [kg.m]."""
+        return self._carried[0][1:]
 
     def own_moment(self, joint: str, up: tuple[float, float]) -> Array:
         """Derivative by a joint of the mass moment of the crane's own parts along `up` [kg.m/rad, or kg].
 
         Times g it is the generalised force with which the joint must bear the crane itself.
         """
-        total: Array = np.zeros(())
-        for link in self.crane.links:
-            if self.carries(joint, link.name):
-                dx, dz = self.by_joint(joint, self.point(link.name, link.com[0], link.com[2]))
-                total = total + link.mass * (up[0] * dx + up[1] * dz)
-        return total
+        mass, x, z = self._carried[self._joints[joint][0]]
+        dx, dz = self.by_joint(joint, (x / mass, z / mass))
+        return mass * (up[0] * dx + up[1] * dz)
 
     def rope_length(self) -> Array:
         """Length of the rope from the drum over the sheaves to the tip [m], along the pins (the wraps left out)."""
@@ -184,3 +221,10 @@ class Plane:
         for a, b in itertools.pairwise(path):
             total = total + self.distance_by_joint(joint, a, b)
         return total
+
+
+def _direction(joint: Joint) -> tuple[float, float, float]:
+    """The unit vector of a joint's axis."""
+    x, y, z = joint.axis
+    size = math.hypot(x, y, z)
+    return x / size, y / size, z / size

@@ -175,6 +175,35 @@ def test_a_curve_names_its_posture_and_falls_with_the_radius_where_moments_gover
     assert chart.curve(OFFSHORE, radii=[50.0]) == []
 
 
+@pytest.mark.parametrize("name", ["offshore-100t", "gunnerus-pk65"])
+def test_the_load_of_a_posture_is_the_least_of_its_limits_whatever_other_postures_are_asked_for(name: str) -> None:
+    crane = design.load(name)
+    at = planar.grid(crane, {2: 120, 3: 24}[len(planar.plane_joints(crane))])
+    flat = {joint: q.ravel() for joint, q in zip(at, np.broadcast_arrays(*at.values()), strict=True)}
+    for mode in (chart.HARBOUR, chart.mode(crane, "hs2.0")):
+        whole, row = chart.capacity(crane, at, mode), chart.capacity(crane, flat, mode)
+        np.testing.assert_allclose(whole.swl.ravel(), row.swl, rtol=1e-12)
+        for i in np.linspace(0, row.swl.size - 1, 12).astype(int):
+            each = chart.each_limit(crane, {joint: float(q[i]) for joint, q in flat.items()}, mode)
+            assert row.swl[i] == pytest.approx(min(each.values()), rel=1e-12)
+            assert each[row.limits[row.governs[i]]] == pytest.approx(min(each.values()), rel=1e-12)
+
+
+def test_a_cylinder_in_line_with_its_joint_holds_nothing() -> None:
+    """The pin of the boom straight above the pin of the column: no lever on the joint between them."""
+    above = tuple(
+        msgspec.structs.replace(c, base=design.Attachment(link="column", x=0.0, z=1.0), eye=c.eye)
+        if c.name == "boom_cylinder"
+        else c
+        for c in OFFSHORE.cylinders
+    )
+    eye = above[0].eye
+    straight = math.pi / 2 - math.atan2(eye.z, eye.x)
+    each = chart.each_limit(msgspec.structs.replace(OFFSHORE, cylinders=above), {"luff": straight, "jib": -1.0}, HS2)
+    assert each["boom_cylinder"] == pytest.approx(0.0, abs=1.0)
+    assert each["jib_cylinder"] > 1e3
+
+
 def test_hook_speed_for_a_lift_from_a_vessel() -> None:
     still = msgspec.structs.replace(OFFSHORE, rating=design.Rating())
     assert chart.hook_speed_needed(still, HS2) == pytest.approx(0.5 * 1.2)

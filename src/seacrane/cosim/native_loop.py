@@ -15,7 +15,7 @@ from seacrane.cosim.slave import Callback, RestoreFunction, SaveFunction
 from seacrane.native import build_library, source
 
 _Address, _Int, _Real = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
-_TRIALS = 5
+_TRIALS = 2 * 7
 _ERROR = 3
 
 
@@ -54,7 +54,7 @@ class _Recorder(ctypes.Structure):
 
 class _Group(ctypes.Structure):
     _fields_ = [
-        *_fields((_Address, "members"), (_Int, "count natives phase parallel left taken spent_ns serial_ns")),
+        *_fields((_Address, "members"), (_Int, "count natives phase parallel left taken lost_ns serial_ns")),
         ("trial_ns", _Int * _TRIALS),
     ]
 

@@ -100,13 +100,13 @@ typedef struct {
     double *rows; /* capacity rows of time and width values */
 } recorder_t;
 
-#define TRIALS 5
+#define TRIALS 7 /* blocks of sweeps of each kind, serial and parallel */
 typedef struct { /* slaves that may step side by side, in the order in which their faults count */
     const int64_t *members;
     int64_t count, natives;
     /* how threads have proved here; no part of the state, since it changes no result */
-    int64_t phase, parallel, left, taken, spent_ns, serial_ns;
-    int64_t trial_ns[TRIALS];
+    int64_t phase, parallel, left, taken, lost_ns, serial_ns;
+    int64_t trial_ns[2][TRIALS];
 } group_t;
 
 typedef struct pool pool_t;

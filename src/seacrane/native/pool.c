@@ -28,14 +28,18 @@ void pool_end(plan_t *p) { (void)p; }
 #include <time.h>
 
 #define SPIN 2000           /* looks at the next work before a thread lies down: some 50 us */
-#define PERIOD 4096         /* sweeps after which threads that paid, or cannot pay, are measured anew */
 #define WORTH_TRYING 10000  /* [ns] of a sweep, below which waking another thread cannot pay */
-#define GAIN 0.9            /* threads must take less than this share of the time */
-#define PATIENCE 10         /* sweeps that a trial of threads may cost */
-#define RARITY 50           /* how much longer than a trial that has failed it takes until the next */
-#define WINDOW 16           /* sweeps after which threads must still have paid */
+#define BLOCK 2             /* sweeps of one kind in a row; the faster counts, for the first may have to wake threads */
+#define GAIN 0.9            /* the share of the time below which threads are taken */
+#define HOLD 0.97           /* and that above which they are given up again */
+#define PERIOD 2048         /* sweeps after which it is measured anew */
+#define PATIENCE 10         /* what threads may lose before they are given up, in serial sweeps */
+#define CREDIT 64           /* what of their gains is held against later losses */
+#define RARITY 50           /* how much longer than what was lost it is until the next trial */
+#define LEAST_REST 256      /* sweeps */
+#define MOST_REST 5e8       /* [ns]: whatever has disturbed a trial, it does not decide for longer */
 
-enum { TRY_SERIAL, TRY_PARALLEL, SETTLED };
+enum { LOOK, TRY, SETTLED };
 
 struct pool {
     pthread_t *threads;
@@ -45,10 +49,12 @@ struct pool {
     plan_t *plan;
     const group_t *group;
     int64_t from, size;
-    atomic_long round;      /* counts the work given out */
-    atomic_long next, left; /* members to take, and threads that have not finished */
+    atomic_ullong open;/* members nobody has taken yet; above them a number of the sweep, lest two of them be confused */
+    atomic_long left;  /* members that are not done */
     atomic_int sleeping, over;
 };
+
+#define SWEEP (1ull << 32)
 
 static void pause_briefly(void) {
 #if defined(__x86_64__) || defined(__i386__)
@@ -56,41 +62,45 @@ static void pause_briefly(void) {
 #endif
 }
 
+static int64_t open_members(pool_t *pool) { return (int64_t)(atomic_load(&pool->open) % SWEEP); }
+
+/* Step members as long as there are any. A sweep is over only when all that were taken are done: until then, what the
+ * pool says of it holds, for a thread that comes late as well. */
 static void take_members(pool_t *pool) {
-    plan_t *p = pool->plan;
-    const group_t *g = pool->group;
-    for (long i; (i = atomic_fetch_add(&pool->next, 1)) < g->count;) {
-        slave_t *s = p->slaves + g->members[i];
-        if (!s->callback && active(p, s)) step_one(p, s, pool->from, pool->size);
+    for (unsigned long long open = atomic_load(&pool->open); open % SWEEP > 0;) {
+        if (!atomic_compare_exchange_weak(&pool->open, &open, open - 1)) continue;
+        const group_t *g = pool->group;
+        slave_t *s = pool->plan->slaves + g->members[g->count - (int64_t)(open % SWEEP)];
+        if (!s->callback && active(pool->plan, s)) step_one(pool->plan, s, pool->from, pool->size);
+        atomic_fetch_sub(&pool->left, 1);
+        open = atomic_load(&pool->open);
     }
 }
 
 static void *work(void *argument) {
     pool_t *pool = argument;
-    for (long seen = 0;;) {
-        for (int i = 0; i < SPIN && atomic_load(&pool->round) == seen && !atomic_load(&pool->over); ++i) pause_briefly();
-        if (atomic_load(&pool->round) == seen) {
+    for (;;) {
+        for (int i = 0; i < SPIN && !open_members(pool) && !atomic_load(&pool->over); ++i) pause_briefly();
+        if (!open_members(pool)) {
             pthread_mutex_lock(&pool->mutex);
             atomic_fetch_add(&pool->sleeping, 1);
-            while (atomic_load(&pool->round) == seen && !atomic_load(&pool->over))
-                pthread_cond_wait(&pool->wake, &pool->mutex);
+            while (!open_members(pool) && !atomic_load(&pool->over)) pthread_cond_wait(&pool->wake, &pool->mutex);
             atomic_fetch_sub(&pool->sleeping, 1);
             pthread_mutex_unlock(&pool->mutex);
         }
         if (atomic_load(&pool->over)) return NULL;
-        seen = atomic_load(&pool->round);
         take_members(pool);
-        atomic_fetch_sub(&pool->left, 1);
     }
 }
 
 /* As many threads as the system gives, beside the calling one; no pool if it gives none. */
-static pool_t *pool_begin(int64_t threads) {
+static pool_t *pool_begin(plan_t *plan, int64_t threads) {
     pool_t *pool = calloc(1, sizeof *pool);
     if (!pool || !(pool->threads = calloc((size_t)threads, sizeof *pool->threads))) {
         free(pool);
         return NULL;
     }
+    pool->plan = plan;
     pthread_mutex_init(&pool->mutex, NULL);
     pthread_cond_init(&pool->wake, NULL);
     while (pool->count < threads && pthread_create(pool->threads + pool->count, NULL, work, pool) == 0) ++pool->count;
@@ -112,12 +122,26 @@ void pool_end(plan_t *p) {
     p->pool = NULL;
 }
 
-static void step_in_parallel(plan_t *p, const group_t *g, int64_t from, int64_t size) {
+static int64_t now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}
+
+static int64_t time_serially(plan_t *p, const group_t *g, int64_t from, int64_t size) {
+    const int64_t begin = now();
+    step_serially(p, g, from, size);
+    return now() - begin;
+}
+
+/* The time that it has taken. This thread's own work cannot take longer than all of it: what does is a disturbance
+ * that would have struck without threads as well, and does not count. */
+static int64_t time_in_parallel(plan_t *p, const group_t *g, int64_t from, int64_t size) {
     pool_t *pool = p->pool;
-    pool->plan = p, pool->group = g, pool->from = from, pool->size = size;
-    atomic_store(&pool->next, 0);
-    atomic_store(&pool->left, pool->count);
-    atomic_fetch_add(&pool->round, 1);
+    const int64_t begin = now();
+    pool->group = g, pool->from = from, pool->size = size;
+    atomic_store(&pool->left, g->count);
+    atomic_store(&pool->open, (atomic_load(&pool->open) / SWEEP + 1) * SWEEP + (unsigned long long)g->count);
     if (atomic_load(&pool->sleeping)) {
         pthread_mutex_lock(&pool->mutex);
         pthread_cond_broadcast(&pool->wake);
@@ -128,16 +152,13 @@ static void step_in_parallel(plan_t *p, const group_t *g, int64_t from, int64_t 
         if (s->callback && active(p, s)) step_one(p, s, from, size);
     }
     take_members(pool);
+    const int64_t done = now();
     for (int i = 0; atomic_load(&pool->left); ++i) {
         if (i < SPIN) pause_briefly();
         else sched_yield();
     }
-}
-
-static int64_t now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+    const int64_t own = done - begin, waited = now() - done;
+    return (own < g->serial_ns ? own : g->serial_ns) + waited;
 }
 
 static int64_t median(int64_t *v) {
@@ -150,36 +171,42 @@ static int64_t median(int64_t *v) {
     return v[TRIALS / 2];
 }
 
+/* Threads or none from now on, until the next trial. What they have lost is a small share of the time until then. */
 static void settle(group_t *g, int parallel) {
-    const int64_t rest = g->serial_ns > 0 ? RARITY * g->spent_ns / g->serial_ns : 0;
     g->phase = SETTLED;
     g->parallel = parallel;
-    g->left = !parallel && rest > 0 ? rest : PERIOD;
-    g->taken = g->spent_ns = 0;
+    g->taken = 0;
+    g->left = PERIOD;
+    if (parallel || g->serial_ns <= WORTH_TRYING) return;
+    double rest = RARITY * (double)g->lost_ns;
+    if (rest > MOST_REST) rest = MOST_REST;
+    rest /= (double)g->serial_ns;
+    g->left = rest > LEAST_REST ? (int64_t)rest : LEAST_REST;
+    g->lost_ns = 0;
 }
 
-/* The time of a sweep, serial or parallel, and what follows from it. */
-static void judge(plan_t *p, group_t *g, int64_t time) {
-    g->spent_ns += time;
-    if (g->phase == SETTLED) { /* in parallel */
-        if (++g->taken < WINDOW) return;
-        if (g->spent_ns > WINDOW * g->serial_ns) settle(g, 0);
-        g->taken = g->spent_ns = 0;
-        return;
+/* The time of a sweep, serial or parallel, and what follows from it. A trial is of blocks of both kinds in turn, so that
+ * whatever else the machine does slows both; the medians count, so that a few disturbed blocks do not. */
+static void judge(plan_t *p, group_t *g, int parallel, int64_t time) {
+    if (parallel) {
+        g->lost_ns += time - g->serial_ns;
+        if (g->lost_ns < -CREDIT * g->serial_ns) g->lost_ns = -CREDIT * g->serial_ns;
+        if (g->lost_ns > PATIENCE * g->serial_ns) settle(g, 0);
     }
-    g->trial_ns[g->taken++] = time;
-    if (g->phase == TRY_SERIAL) {
-        if (g->taken < TRIALS) return;
-        g->serial_ns = median(g->trial_ns);
-        g->taken = g->spent_ns = 0;
+    if (g->phase == SETTLED) return;
+    const int64_t pair = g->taken / (2 * BLOCK);
+    int64_t *least = g->trial_ns[parallel] + pair;
+    if (g->taken % BLOCK == 0 || time < *least) *least = time;
+    g->taken += 1;
+    if (!parallel && g->taken % BLOCK == 0 && (pair == 0 || *least < g->serial_ns)) g->serial_ns = *least;
+    if (g->phase == LOOK && g->taken == BLOCK) {
         if (g->serial_ns > WORTH_TRYING && !p->pool)
-            p->pool = pool_begin((p->threads < g->natives ? p->threads : g->natives) - 1);
-        if (g->serial_ns > WORTH_TRYING && p->pool && p->pool->count > 0) g->phase = TRY_PARALLEL;
+            p->pool = pool_begin(p, (p->threads < g->natives ? p->threads : g->natives) - 1);
+        if (g->serial_ns > WORTH_TRYING && p->pool && p->pool->count > 0) g->phase = TRY;
         else settle(g, 0);
-    } else if (g->spent_ns > PATIENCE * g->serial_ns) {
-        settle(g, 0);
-    } else if (g->taken == TRIALS) {
-        settle(g, (double)median(g->trial_ns) < GAIN * (double)g->serial_ns);
+    } else if (g->taken == 2 * BLOCK * TRIALS) {
+        g->serial_ns = median(g->trial_ns[0]);
+        settle(g, (double)median(g->trial_ns[1]) < (g->parallel ? HOLD : GAIN) * (double)g->serial_ns);
     }
 }
 
@@ -189,13 +216,12 @@ void step_group(plan_t *p, group_t *g, int64_t from, int64_t size) {
         step_serially(p, g, from, size);
         return;
     }
-    if (g->phase == SETTLED && --g->left <= 0) g->phase = TRY_SERIAL, g->taken = g->spent_ns = 0;
+    if (g->phase == SETTLED && --g->left <= 0) g->phase = LOOK, g->taken = 0;
     if (g->phase == SETTLED && !g->parallel) {
         step_serially(p, g, from, size);
         return;
     }
-    const int64_t begin = now();
-    (g->phase == TRY_SERIAL ? step_serially : step_in_parallel)(p, g, from, size);
-    judge(p, g, now() - begin);
+    const int parallel = g->phase == SETTLED || g->taken / BLOCK % 2;
+    judge(p, g, parallel, (parallel ? time_in_parallel : time_serially)(p, g, from, size));
 }
 #endif

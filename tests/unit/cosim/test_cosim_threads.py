@@ -1,12 +1,28 @@
 """Threads change the time a run takes, and not one bit of its results."""
 
+import ctypes
+
 import numpy as np
 import pytest
 from oscillators import dae
 
-from seacrane.cosim import Execution, FunctionSlave, GaussSeidel, Iterative, Jacobi, ModelSlave, Newton, System
+from seacrane.cosim import (
+    Execution,
+    FunctionSlave,
+    GaussSeidel,
+    Instance,
+    Interface,
+    Iterative,
+    Jacobi,
+    ModelSlave,
+    NativeCalls,
+    Newton,
+    Slave,
+    System,
+)
 from seacrane.errors import CosimError
 from seacrane.model.dae import Variable
+from seacrane.native import build_library
 
 FINE = 2e-6
 """Step of the models' own solver [s]: some 500 in a macro step of 1 ms, which makes them worth a thread."""
@@ -93,3 +109,114 @@ def test_of_several_slaves_that_fail_together_the_first_is_named_with_any_number
 def test_a_number_of_threads_is_one_or_more():
     with pytest.raises(CosimError, match="threads: is no number of threads"):
         Execution(ring(2), Jacobi(1e-3), threads=0)
+
+
+# ---------------------------------------------------------------- whether threads pay
+SLEEPER = """
+#include <pthread.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <time.h>
+struct slave { pthread_t home; double y; int64_t sleep_us, more_us, elsewhere; };
+void slave_begin(struct slave *s) { s->home = pthread_self(); }
+int slave_set(struct slave *s, const uint32_t *r, size_t n, const double *v) { return s && r && v ? 0 : (int)n; }
+int slave_step(struct slave *s, double t, double h, int discard) {
+    const int elsewhere = !pthread_equal(pthread_self(), s->home);
+    const int64_t us = s->sleep_us + elsewhere * s->more_us;
+    const struct timespec pause = {us / 1000000, us % 1000000 * 1000};
+    nanosleep(&pause, NULL);
+    s->elsewhere += elsewhere;
+    s->y = t + h + 0 * discard;
+    return 0;
+}
+int slave_get(struct slave *s, const uint32_t *r, size_t n, double *v) {
+    for (size_t i = 0; i < n; ++i) v[i] = s->y + 0 * r[i];
+    return 0;
+}
+"""
+
+
+class Bed(ctypes.Structure):
+    _fields_ = (
+        ("home", ctypes.c_ulong),
+        ("y", ctypes.c_double),
+        *((name, ctypes.c_int64) for name in ("sleep_us", "more_us", "elsewhere")),
+    )
+
+
+class Sleeper(Slave):
+    """Sleeps in its step, so that two may do so at once on any machine, and for longer off the thread of the run."""
+
+    def __init__(self):
+        self.bed = Bed(sleep_us=200)
+
+    @property
+    def interface(self):
+        return Interface((), (Variable("y"),))
+
+    def instantiate(self, name):
+        return SleeperInstance(self.bed)
+
+
+class SleeperInstance(Instance):
+    def __init__(self, bed):
+        flags = ["-fvisibility=default", "-pthread"]
+        self.library = ctypes.CDLL(str(build_library("sleeper", {"sleeper.c": SLEEPER}, flags)))
+        self.bed, self.handle = bed, ctypes.addressof(bed)
+        address = {
+            n: ctypes.cast(getattr(self.library, f"slave_{n}"), ctypes.c_void_p).value for n in ("set", "step", "get")
+        }
+        self.calls = NativeCalls(self.handle, references={"y": 0}, **address)
+
+    def bind(self, inputs, outputs):
+        self.outputs = outputs
+
+    def evaluate(self):
+        self.outputs[:] = self.bed.y
+
+    def initialise(self, time):
+        self.library.slave_begin(ctypes.c_void_p(self.handle))
+
+    def advance(self, time, step):
+        raise AssertionError("the loop calls the C functions")
+
+    def set(self, values):
+        pass
+
+    def begin(self):
+        pass
+
+    def save(self):
+        return bytes(self.bed)
+
+    def restore(self, state):
+        ctypes.memmove(self.handle, state, ctypes.sizeof(self.bed))
+
+    def close(self):
+        pass
+
+
+def test_a_decision_for_or_against_threads_is_revised_when_it_turns_out_wrong():
+    sleepers = [Sleeper(), Sleeper()]
+    beds = [sleeper.bed for sleeper in sleepers]
+
+    def share(run, steps=100):
+        """Of so many sweeps, those in which another thread has taken a slave."""
+        for bed in beds:
+            bed.elsewhere = 0
+        run.step(steps)
+        return sum(bed.elsewhere for bed in beds) / steps
+
+    def disturb(us):
+        for bed in beds:
+            bed.more_us = us
+
+    with Execution(System("beds", dict(zip("ab", sleepers, strict=True))), Jacobi(1e-3), threads=2) as run:
+        disturb(50_000)  # as if another process held the second processor while threads are tried
+        assert share(run, 300) < 0.1
+        disturb(0)
+        assert any(share(run) > 0.5 for _ in range(40))
+        disturb(50_000)  # and now that they are taken
+        assert any(share(run) < 0.1 for _ in range(40))
+        disturb(0)
+        assert any(share(run) > 0.5 for _ in range(40))

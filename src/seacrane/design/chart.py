@@ -40,7 +40,7 @@ NOTHING = "nothing"
 _STROKE_MARGIN = 0.01
 """Share of the stroke below which the oil column is not taken shorter: ports and heads hold that much."""
 
-_BLOCK = 8000
+_BLOCK = 8192
 """Postures whose loads are worked out at once: arrays of 64 kB, some dozens of which the second-level cache holds."""
 
 _LEAST_HANG = 1.0

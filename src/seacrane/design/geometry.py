@@ -91,31 +91,40 @@ def cylinder_range(crane: Crane, cylinder: Cylinder) -> tuple[float, float]:
     included, and an inner extreme is off by no more than the curvature of the length over half a sample (below 0.1 mm
     for a real crane).
     """
-    place, link = next((i, link) for i, link in enumerate(crane.links) if link.joint.name == cylinder.moves)
-    if link.joint.limits is None:
-        raise ValueError(f"joint {link.joint.name!r} has no limits")
-    coordinates = np.linspace(*link.joint.limits, _SAMPLES)
-    carried = {outer.name for outer in crane.links[place:]}
-    at = frames(crane, {})
-    base, eye = (
-        _carried_along(link.joint, at[link.name].origin, pin, coordinates if end.link in carried else np.zeros(1))
-        for end, pin in ((end, at[end.link].point((end.x, 0, end.z))) for end in (cylinder.base, cylinder.eye))
-    )
-    lengths = np.linalg.norm(eye - base, axis=1)
+    place, joint = next((i, joint) for i, joint in enumerate(crane.joints) if joint.name == cylinder.moves)
+    if joint.limits is None:
+        raise ValueError(f"joint {joint.name!r} has no limits")
+    origins, carried = _origins_at_zero(crane), {link.name for link in crane.links[place:]}
+    base, eye = (origins[pin.link] + (pin.x, 0.0, pin.z) for pin in (cylinder.base, cylinder.eye))
+    if (cylinder.base.link in carried) == (cylinder.eye.link in carried):
+        length = float(np.linalg.norm(eye - base))
+        return length, length
+    moved, still = (base, eye) if cylinder.base.link in carried else (eye, base)
+    q = np.linspace(*joint.limits, _SAMPLES)[:, None]
+    axis = np.array(joint.axis, float) / math.hypot(*joint.axis)
+    if joint.kind == "prismatic":
+        apart = moved - still + q * axis
+    else:
+        arm = moved - origins[crane.links[place].name]
+        along = axis * (axis @ arm)
+        apart = (moved - still - arm + along) + np.cos(q) * (arm - along) + np.sin(q) * _cross(axis, arm)
+    lengths = np.sqrt((apart * apart).sum(axis=1))
     return float(lengths.min()), float(lengths.max())
 
 
-def _carried_along(joint: Joint, origin: Array, point: Array, coordinates: Array) -> Array:
-    """A point (3,) where a joint with its origin there has carried it (n, 3) [m], its axis as at zero in foot axes."""
-    axis, q = np.array(joint.axis, float), coordinates[:, None]
-    axis /= np.linalg.norm(axis)
-    if joint.kind == "prismatic":
-        slid: Array = point + q * axis
-        return slid
-    arm = point - origin
-    along = axis * (axis @ arm)
-    turned: Array = origin + along + np.cos(q) * (arm - along) + np.sin(q) * np.cross(axis, arm)
-    return turned
+def _origins_at_zero(crane: Crane) -> dict[str, Array]:
+    """The origin of every link (3,) [m] with all joints at zero, when all frames are parallel; and of the foot."""
+    origin = np.zeros(3)
+    origins = {FOOT: origin}
+    for link in crane.links:
+        origin = origin + link.joint.origin
+        origins[link.name] = origin
+    return origins
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """a x b of two vectors (3,), without the preparations of `numpy.cross` for arrays of any shape."""
+    return np.array((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))
 
 
 def retracted_length(crane: Crane, cylinder: Cylinder) -> float:

@@ -297,11 +297,10 @@ def judged(crane: Crane, goals: Sequence[Goal]) -> list[float]:
     postures = planar.grid(crane, _POSTURES.get(len(planar.plane_joints(crane)), 12))
     modes = {goal.mode for goal in goals if goal.kind == "capacity"}
     found = {name: chart.capacity(crane, postures, chart.mode(crane, name)) for name in modes}
-    x, _ = planar.Plane(crane, postures).tip()
 
     def one(goal: Goal) -> float:
         if goal.kind == "reach":
-            return float(x.max())
+            return float(planar.Plane(crane, postures).tip()[0].max())
         if goal.kind == "weight":
             return sum(link.mass for link in crane.links) + sum(mass.of_cylinder(c) for c in crane.cylinders)
         loads = found[goal.mode]

@@ -1,113 +1,31 @@
-// The designer in a real browser against a running server: SEACRANE_URL is the address that `seacrane designer` prints.
-// CHROMIUM names the browser (default /usr/bin/chromium), OUTPUT the folder of screenshots and downloads (default
-// e2e/output). It waits on the state of the page, never on drawn frames.
+// The designer's first journey in a real browser: see bench.mjs.
 import assert from "node:assert/strict";
-import { mkdir, readFile, writeFile } from "node:fs/promises";
-import { createRequire } from "node:module";
+import { readFile, writeFile } from "node:fs/promises";
 import { join } from "node:path";
-import { fileURLToPath } from "node:url";
-import { chromium } from "playwright-core";
+import {
+  choose,
+  downloaded,
+  drag,
+  loads,
+  output,
+  painted,
+  pause,
+  reading,
+  ready,
+  save,
+  scenarios,
+  shown,
+  told,
+  until,
+  violations,
+} from "./bench.mjs";
 
-const url = process.env.SEACRANE_URL;
-if (!url) {
-  console.error("SEACRANE_URL must be the address that `seacrane designer` prints, with its token");
-  process.exit(2);
-}
-const output = process.env.OUTPUT ?? fileURLToPath(new URL("./output/", import.meta.url));
-await mkdir(output, { recursive: true });
-const PATIENCE = 60_000;
 const SHIFT_Z = "Control+Shift+Z";
 
-const browser = await chromium.launch({
-  executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-  args: [
-    "--no-sandbox",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--no-first-run",
-  ],
-});
-
-const pause = (ms) => new Promise((done) => setTimeout(done, ms));
-
-/** Waits until `look` gives something true, and returns it. */
-async function until(what, look, patience = PATIENCE) {
-  const end = Date.now() + patience;
-  for (;;) {
-    const seen = await look();
-    if (seen) return seen;
-    assert.ok(Date.now() < end, `waited ${patience / 1000} s in vain for: ${what}`);
-    await pause(50);
-  }
-}
-
-async function open(options = {}) {
-  const context = await browser.newContext({
-    viewport: { width: 1280, height: 800 },
-    acceptDownloads: true,
-    ...options,
-  });
-  const page = await context.newPage();
-  page.errors = [];
-  page.on("pageerror", (error) => page.errors.push(error.message));
-  await page.goto(url);
-  await painted(page);
-  return page;
-}
-
-const raster = (page) => page.getByTestId("raster");
-const painted = (page) => page.waitForSelector("[data-testid=raster][data-painted]", { timeout: PATIENCE });
-const loads = (page) => page.getByTestId("curves").getAttribute("data-loads");
-const reading = (page, grip) => page.getByTestId(grip).getAttribute("aria-valuetext");
-
-/** Drags a handle by pixels, in steps, and gives the times that the worker took for each chart painted meanwhile [ms]. */
-async function drag(page, grip, dx, dy, steps = 12) {
-  const target = page.getByTestId(grip).locator("circle.target");
-  let box = await target.boundingBox();
-  await until(`${grip} to stand still`, async () => {
-    const before = box;
-    await pause(200);
-    box = await target.boundingBox();
-    return box.x === before.x && box.y === before.y;
-  });
-  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
-  const took = [];
-  await page.mouse.move(x, y);
-  await page.mouse.down();
-  for (let i = 1; i <= steps; i += 1) {
-    const before = await raster(page).getAttribute("data-painted");
-    await page.mouse.move(x + (dx * i) / steps, y + (dy * i) / steps);
-    await pause(30);
-    if ((await raster(page).getAttribute("data-painted")) !== before)
-      took.push(Number(await raster(page).getAttribute("data-took")));
-  }
-  await page.mouse.up();
-  return took;
-}
-
-async function save(page) {
-  await page.getByTestId("save-menu").click();
-  const [download] = await Promise.all([page.waitForEvent("download"), page.getByTestId("save-json").click()]);
-  const path = join(output, download.suggestedFilename());
-  await download.saveAs(path);
-  return path;
-}
-
-/** The noticed text, once it has one that fits. */
-const told = (page, text) =>
-  until(`the page to say ${text}`, async () => {
-    const notice = page.getByTestId("notice");
-    return (await notice.count()) && text.test(await notice.innerText()) ? notice.innerText() : null;
-  });
-
-async function creates_drags_undoes_saves_and_opens_equal() {
+async function creates_drags_undoes_saves_and_opens_equal(open) {
   const page = await open();
   const first = await until("the curves of the first crane", async () => loads(page));
-  await page.getByTestId("design-menu").click();
-  await page.getByTestId("new").click();
+  await choose(page, "new");
   await page.getByTestId("new-dialog").getByLabel("Name").fill("tested crane");
   await page.getByTestId("new-dialog").getByLabel("Largest radius").fill("80 ft");
   await page.getByTestId("create").click();
@@ -131,20 +49,16 @@ async function creates_drags_undoes_saves_and_opens_equal() {
   const path = await save(page);
   const written = JSON.parse(await readFile(path, "utf8"));
   assert.equal(written.format, "seacrane-crane/1");
-  await page.getByTestId("design-menu").click();
-  await page.getByTestId("open-gunnerus-pk65").click();
-  await page.getByTestId("select-telescope").waitFor();
+  await ready(page, "gunnerus-pk65");
   await page.getByTestId("file").setInputFiles(path);
   await page.getByTestId("select-tested crane").waitFor();
   const again = JSON.parse(await readFile(await save(page), "utf8"));
   assert.deepEqual(again, written, "what was saved opens equal");
 
-  assert.deepEqual(page.errors, []);
-  await page.context().close();
   return took;
 }
 
-async function exports_and_imports_equal_through_the_server() {
+async function exports_and_imports_equal_through_the_server(open) {
   const page = await open();
   // Python writes out what the page leaves to its defaults: the first round makes both alike, the second must be equal
   const before = JSON.parse(await readFile(await save(page), "utf8"));
@@ -164,22 +78,13 @@ async function exports_and_imports_equal_through_the_server() {
   await page.getByTestId("file").setInputFiles(odd);
   await told(page, /links: must be a list[\s\S]*|colour is not a field/);
   assert.equal(await page.getByTestId("select-offshore-100t").count(), 1, "the crane on the bench stays");
-  assert.deepEqual(page.errors, []);
-  await page.context().close();
 }
 
 /** Exports the crane, opens another one, imports the archive, and gives the design that is then saved. */
 async function throughArchive(page) {
   await page.getByTestId("save-menu").click();
-  const [download] = await Promise.all([
-    page.waitForEvent("download", { timeout: PATIENCE }),
-    page.getByTestId("export-zip").click(),
-  ]);
-  const path = join(output, download.suggestedFilename());
-  await download.saveAs(path);
-  await page.getByTestId("design-menu").click();
-  await page.getByTestId("open-a-frame-30t").click();
-  await page.getByTestId("select-crossbeam").waitFor();
+  const path = await downloaded(page, () => page.getByTestId("export-zip").click());
+  await ready(page, "a-frame-30t");
   await page.getByTestId("file").setInputFiles(path);
   await page.getByTestId("select-offshore-100t").waitFor();
   return { path, design: JSON.parse(await readFile(await save(page), "utf8")) };
@@ -192,7 +97,7 @@ function subset(whole, part) {
   return Object.fromEntries(Object.keys(part).map((key) => [key, subset(whole?.[key], part[key])]));
 }
 
-async function shows_what_cannot_be_built_in_place_and_in_words() {
+async function shows_what_cannot_be_built_in_place_and_in_words(open) {
   const page = await open();
   await page.getByTestId("select-boom_cylinder").click();
   const stroke = page.getByTestId("details").getByLabel("Stroke");
@@ -211,11 +116,9 @@ async function shows_what_cannot_be_built_in_place_and_in_words() {
   await drag(page, "pin-boom_cylinder-eye", 300, 0);
   await page.getByTestId("problems").waitFor();
   await drag(page, "joint-boom", 0, -60);
-  assert.deepEqual(page.errors, [], "an impossible crane breaks nothing");
-  await page.context().close();
 }
 
-async function works_by_keyboard_alone() {
+async function works_by_keyboard_alone(open) {
   const page = await open();
   const before = await reading(page, "joint-boom");
   await until("the tabulator at the boom's handle", async () => {
@@ -238,24 +141,21 @@ async function works_by_keyboard_alone() {
   await page.keyboard.press("Escape");
   await until("the dialog to close", async () => (await page.getByTestId("help-dialog").count()) === 0);
   await page.keyboard.press("3");
-  await page.waitForSelector("[data-testid=solid] canvas[data-ready=true]", { timeout: PATIENCE });
+  await page.waitForSelector("[data-testid=solid] canvas[data-ready=true]");
   await page.keyboard.press("1");
   await painted(page);
-  assert.deepEqual(page.errors, []);
-  await page.context().close();
 }
 
-async function steps_into_the_simulation() {
+async function steps_into_the_simulation(open) {
   const page = await open();
   const load = Number(await page.getByTestId("load").getAttribute("data-value"));
   const [operation] = await Promise.all([page.waitForEvent("popup"), page.getByTestId("simulate").click()]);
-  await operation.locator("[data-testid=state][data-state=running]").waitFor({ timeout: PATIENCE });
+  await operation.locator("[data-testid=state][data-state=running]").waitFor();
   assert.ok(load > 1000, `a load of ${load} kg`);
   assert.match(await operation.locator("header.live-bar").innerText(), /offshore-100t/);
-  await page.context().close();
 }
 
-async function recovers_the_work_after_a_reload() {
+async function recovers_the_work_after_a_reload(open) {
   const page = await open();
   await drag(page, "end-jib", 40, 0);
   const length = await reading(page, "end-jib");
@@ -263,61 +163,32 @@ async function recovers_the_work_after_a_reload() {
   await page.reload();
   await told(page, /Recovered the work on offshore-100t/);
   assert.equal(await reading(page, "end-jib"), length);
-  await page.context().close();
 }
 
-async function has_no_serious_violation_and_looks_well() {
-  const axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+async function has_no_serious_violation_and_looks_well(open) {
   for (const colorScheme of ["light", "dark"])
     for (const [width, height] of [
       [1280, 800],
       [1920, 1080],
     ]) {
       const page = await open({ viewport: { width, height }, colorScheme });
-      const views = width === 1280 ? ["section", "solid"] : ["section", "both"];
-      for (const view of views) {
-        await page.getByTestId(`show-${view}`).click();
-        if (view !== "section") await page.waitForSelector("canvas[data-ready=true]", { timeout: PATIENCE });
+      for (const view of width === 1280 ? ["section", "solid"] : ["section", "both"]) {
+        await shown(page, view);
         await page.getByTestId("select-boom").click();
         await page.mouse.move(width / 2, 20);
-        await pause(1000);
         await page.screenshot({ path: join(output, `designer-${view}-${colorScheme}-${width}.png`) });
-        // in a world of its own, where the page's rules for scripts do not hold
-        const session = await page.context().newCDPSession(page);
-        const { frameTree } = await session.send("Page.getFrameTree");
-        const world = { frameId: frameTree.frame.id, worldName: "axe" };
-        const { executionContextId } = await session.send("Page.createIsolatedWorld", world);
-        const run = (expression) =>
-          session.send("Runtime.evaluate", {
-            expression,
-            contextId: executionContextId,
-            awaitPromise: true,
-            returnByValue: true,
-          });
-        await run(axe);
-        const { result } = await run("axe.run().then((found) => found.violations)");
-        const serious = result.value
-          .filter(({ impact }) => impact === "serious" || impact === "critical")
-          .map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join("\n    ")}`);
-        assert.deepEqual(serious, [], `axe, ${view} ${colorScheme} ${width}`);
+        assert.deepEqual(await violations(page), [], `axe, ${view} ${colorScheme} ${width}`);
       }
-      assert.deepEqual(page.errors, []);
       await page.context().close();
     }
 }
 
-try {
-  const took = (await creates_drags_undoes_saves_and_opens_equal()).sort((a, b) => a - b);
-  console.log(
-    `a drag's charts in the worker: least ${took[0]} ms, median ${took[took.length >> 1]} ms, ${took.length} painted`,
-  );
-  await exports_and_imports_equal_through_the_server();
-  await shows_what_cannot_be_built_in_place_and_in_words();
-  await works_by_keyboard_alone();
-  await recovers_the_work_after_a_reload();
-  await steps_into_the_simulation();
-  await has_no_serious_violation_and_looks_well();
-  console.log("all well");
-} finally {
-  await browser.close();
-}
+await scenarios({
+  creates_drags_undoes_saves_and_opens_equal,
+  exports_and_imports_equal_through_the_server,
+  shows_what_cannot_be_built_in_place_and_in_words,
+  works_by_keyboard_alone,
+  recovers_the_work_after_a_reload,
+  steps_into_the_simulation,
+  has_no_serious_violation_and_looks_well,
+});

@@ -1,18 +1,7 @@
-// A mesh of another program as a part of a link, in a real browser: SEACRANE_URL is the address that `seacrane designer`
-// prints. CHROMIUM names the browser (default /usr/bin/chromium), OUTPUT the folder of screenshots.
+// Meshes of other programs as parts of a link, in a real browser: see bench.mjs.
 import assert from "node:assert/strict";
-import { mkdir } from "node:fs/promises";
 import { join } from "node:path";
-import { fileURLToPath } from "node:url";
-import { chromium } from "playwright-core";
-
-const url = process.env.SEACRANE_URL;
-if (!url) {
-  console.error("SEACRANE_URL must be the address that `seacrane designer` prints, with its token");
-  process.exit(2);
-}
-const output = process.env.OUTPUT ?? fileURLToPath(new URL("./output/", import.meta.url));
-await mkdir(output, { recursive: true });
+import { output, scenarios } from "./bench.mjs";
 
 /** An ASCII STL of a box of 2000 x 2000 x 2500; without its first side it is open. */
 function box(closed) {
@@ -31,16 +20,8 @@ function box(closed) {
   return Buffer.from(`solid box\n${text.join("")}endsolid box\n`);
 }
 
-const browser = await chromium.launch({
-  executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-  args: ["--no-sandbox", "--disable-background-networking", "--disable-sync", "--no-first-run"],
-});
-try {
-  const page = await browser.newPage({ viewport: { width: 1280, height: 900 }, colorScheme: "light" });
-  page.setDefaultTimeout(30_000);
-  const errors = [];
-  page.on("pageerror", (error) => errors.push(error.message));
-  await page.goto(url);
+async function takes_a_mesh_in_its_unit_or_refuses_it(open) {
+  const page = await open({ viewport: { width: 1280, height: 900 }, colorScheme: "light" });
   await page.getByTestId("select-column").click();
   const give = (name, buffer) =>
     page.getByTestId("mesh-file").setInputFiles({ name, mimeType: "application/octet-stream", buffer });
@@ -61,8 +42,6 @@ try {
 
   await page.getByTestId("undo").click();
   await page.getByRole("button", { name: /cabin\s*mesh/ }).waitFor({ state: "detached" });
-  assert.deepEqual(errors, []);
-  console.log("ok: refused, taken, undone");
-} finally {
-  await browser.close();
 }
+
+await scenarios({ takes_a_mesh_in_its_unit_or_refuses_it });

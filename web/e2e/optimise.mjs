@@ -1,30 +1,10 @@
-// The search for better designs in a real browser: SEACRANE_URL is the address that `seacrane designer` prints. CHROMIUM
-// names the browser (default /usr/bin/chromium), OUTPUT the folder of screenshots (default e2e/output).
+// The search for better designs in a real browser: see bench.mjs.
 import assert from "node:assert/strict";
-import { mkdir } from "node:fs/promises";
 import { join } from "node:path";
-import { fileURLToPath } from "node:url";
-import { chromium } from "playwright-core";
+import { output, scenarios } from "./bench.mjs";
 
-const url = process.env.SEACRANE_URL;
-if (!url) {
-  console.error("SEACRANE_URL must be the address that `seacrane designer` prints, with its token");
-  process.exit(2);
-}
-const output = process.env.OUTPUT ?? fileURLToPath(new URL("./output/", import.meta.url));
-await mkdir(output, { recursive: true });
-const PATIENCE = 30_000;
-
-const browser = await chromium.launch({
-  executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-  args: ["--no-sandbox", "--disable-background-networking", "--disable-sync", "--no-first-run"],
-});
-try {
-  const page = await browser.newPage({ viewport: { width: 1280, height: 900 }, colorScheme: "light" });
-  page.setDefaultTimeout(PATIENCE);
-  const errors = [];
-  page.on("pageerror", (error) => errors.push(error.message));
-  await page.goto(url);
+async function searches(open) {
+  const page = await open({ viewport: { width: 1280, height: 900 }, colorScheme: "light" });
   await page.getByTestId("show-optimise").click();
 
   const small = async (label, value) => {
@@ -35,7 +15,6 @@ try {
     page.waitForFunction(
       (least) => Number(document.querySelector("[data-testid=generation]")?.dataset.value) >= least,
       n,
-      { timeout: PATIENCE },
     );
   const bore = async () => {
     await page.getByTestId("select-boom_cylinder").click();
@@ -98,8 +77,6 @@ try {
     .click({ timeout: 2000 })
     .catch(() => {});
   await page.waitForSelector("[data-testid=generation][data-running=false]");
-  assert.deepEqual(errors, []);
-  console.log("ok: search, front, take, undo, reload, go on");
-} finally {
-  await browser.close();
 }
+
+await scenarios({ searches });

@@ -18,6 +18,7 @@ import casadi as ca
 
 from seacrane.errors import Problem, StructureError
 from seacrane.model.dae import Dae, Variable, column
+from seacrane.model.elimination import eliminate
 from seacrane.native import source
 from seacrane.units import UNITS, Unit
 
@@ -175,12 +176,16 @@ def _functions(dae: Dae) -> tuple[str, dict[str, Any]]:
     def along(expression: Any, variables: Any, direction: Any) -> Any:
         return ca.densify(ca.jtimes(expression, variables, direction))
 
+    rows, columns = jacobian.sparsity().row(), jacobian.sparsity().get_col()
+    e = eliminate(dae.x.numel(), y.numel(), rows, columns)
     due = ca.SX.sym("due", len(dae.events))
     everything, direction = ca.vertcat(t, y, u, p), ca.vertcat(dt, dy, du, dp)
     inputs = [t, y, u, p]
     functions = [
         _function("model_residual", inputs, [f]),
         _function("model_jacobian", inputs, [f, jacobian, along(f, t, ca.SX(1))]),
+        _function("model_factor", [e.nonzeros, e.s], [e.factors]),
+        _function("model_solve", [e.factor, e.b], [e.x]),
         _function("model_algebraic", inputs, [alg, jacobian_alg]),
         _function("model_input_rate", [*inputs, du], [along(f, u, du)]),
         _function("model_output", inputs, [out]),
@@ -202,12 +207,12 @@ def _functions(dae: Dae) -> tuple[str, dict[str, Any]]:
     return text, {
         "NNZ": jacobian.nnz(),
         "NNZ_ALG": jacobian_alg.nnz(),
+        "NFACTORS": e.factors.numel(),
         "WORK_ARG": max(g.sz_arg() for g in functions),
         "WORK_RES": max(g.sz_res() for g in functions),
         "WORK_REAL": max(1, *(g.sz_w() for g in functions)),
         "WORK_INT": max(1, *(g.sz_iw() for g in functions)),
-        "place": _places(y.numel(), jacobian.sparsity().row(), jacobian.sparsity().get_col()),
-        "pattern": (jacobian.sparsity().row(), jacobian.sparsity().get_col()),
+        "pattern": (rows, columns),
         "pattern_alg": (jacobian_alg.sparsity().row(), jacobian_alg.sparsity().get_col()),
     }
 
@@ -220,27 +225,6 @@ def _after_events(dae: Dae, due: Any) -> Any:
         for name, value in event.resets.items():
             after[name] = ca.if_else(due[i] != 0, value, after[name])
     return column(*after.values())
-
-
-def _places(size: int, rows: Sequence[int], columns: Sequence[int]) -> list[int]:
-    """The place of each unknown in an order of elimination that keeps the factors sparse: least degree first.
-
-    (A. George and J. W. H. Liu, The evolution of the minimum degree ordering algorithm, SIAM Review 31, 1989.)
-    """
-    near: dict[int, set[int]] = {i: set() for i in range(size)}
-    for i, j in zip(rows, columns, strict=True):
-        if i != j:
-            near[i].add(j)
-            near[j].add(i)
-    places = [0] * size
-    for place in range(size):
-        chosen = min(near, key=lambda i: (len(near[i]), i))
-        places[chosen] = place
-        around = near.pop(chosen)
-        for i in around:
-            near[i] |= around
-            near[i] -= {i, chosen}
-    return places
 
 
 def _function(name: str, inputs: list[Any], outputs: list[Any]) -> Any:
@@ -267,7 +251,6 @@ def _tables(dae: Dae, entries: Sequence[Entry], sizes: dict[str, Any]) -> str:
     lines += [f"const double model_{name}[ROOM({size})] = {{{_reals(values)}}};" for name, size, values in reals]
     names = ", ".join(_text(e.name) for e in dae.events) or "0"
     lines.append(f"const char *const model_event[ROOM(NE)] = {{{names}}};")
-    lines.append(f"const int model_place[ROOM(N)] = {{{', '.join(map(str, sizes['place'])) or '0'}}};")
     for suffix, size, key in (("", "NNZ", "pattern"), ("_alg", "NNZ_ALG", "pattern_alg")):
         for name, indices in zip(("row", "column"), sizes[key], strict=True):
             lines.append(f"const int model_{name}{suffix}[ROOM({size})] = {{{', '.join(map(str, indices)) or '0'}}};")

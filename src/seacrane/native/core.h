@@ -39,14 +39,6 @@ struct statistics {
     uint64_t steps, rejected, residuals, jacobians, factorizations;
 };
 
-#define DENSE_UP_TO 4 /* unknowns: below it, looking for zeros costs more than computing with them */
-
-struct factors { /* row i of L is value[lower[i]...upper[i]), of U without its diagonal value[upper[i]...lower[i + 1]) */
-    int lower[ROOM(N) + 1], upper[ROOM(N)], column[ROOM(N) * ROOM(N)];
-    int row[ROOM(N)]; /* which equation has become row i */
-    double value[ROOM(N) * ROOM(N)], reciprocal[ROOM(N)];
-};
-
 #define KEPT_EVENTS 256
 struct events { /* the last ones that have happened; the k-th of all is at k % KEPT_EVENTS */
     uint64_t count;
@@ -55,17 +47,17 @@ struct events { /* the last ones that have happened; the k-th of all is at k % K
 };
 
 struct workspace {
-    double matrix[ROOM(N) * ROOM(N)]; /* row-major, in the order of elimination */
+    double factors[ROOM(NFACTORS)];   /* of the matrix of a step, or if it is `pivoted`: */
+    double matrix[ROOM(N) * ROOM(N)]; /* row-major */
+    int pivot[ROOM(N)], pivoted;
     double jacobian[ROOM(NZ) * ROOM(NZ)]; /* dalg/dz, while newton.c works with another matrix */
-    struct factors factors;
-    double f[ROOM(N)], ft[ROOM(N)], stage[6][ROOM(N)], trial[ROOM(N)], error[ROOM(N)];
-    double rate[ROOM(N)], ordered[ROOM(N)], u[ROOM(NU)];
+    double f[ROOM(N)], ft[ROOM(N)], stage[6][ROOM(N)], right[ROOM(N)], trial[ROOM(N)], error[ROOM(N)];
+    double rate[ROOM(N)], misfit[ROOM(N)], size[ROOM(N)], u[ROOM(NU)];
     double start[ROOM(N)], start_u[2 * ROOM(NU)], k[ROOM(N)], sum[ROOM(N)]; /* of explicit.c */
     double indicator[ROOM(NE)], due[ROOM(NE)], after[NX + ROOM(NM)]; /* of events.c */
     double between[ROOM(N)], course[5][ROOM(NE)];                   /* within a step, of integrate.c */
     double nonzeros[ROOM(NNZ)], nonzeros_alg[ROOM(NNZ_ALG)];
     double dy[ROOM(N)], du[ROOM(NU)], dp[ROOM(NP)], df[ROOM(N)], doutput[ROOM(NY)]; /* a direction, and derivatives along it */
-    int pivot[ROOM(N)];
     const double *argument[WORK_ARG];
     double *result[WORK_RES];
     double w[WORK_REAL];
@@ -121,8 +113,8 @@ int refresh(struct instance *m, uint32_t kinds);
 /* linear.c */
 int lu_factor(int n, double *a, int *pivot);
 void lu_solve(int n, const double *a, const int *pivot, double *b);
-void lu_compress(const double *a, const int *pivot, const int *place, struct factors *f);
-void lu_solve_compressed(const struct factors *f, const double *b, double *x);
+int matrix_factor(struct instance *m, double s, const double *b, double *x);
+void matrix_solve(struct instance *m, const double *b, double *x);
 
 /* newton.c, integrate.c */
 int solve_algebraic(struct instance *m);

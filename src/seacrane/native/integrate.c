@@ -49,39 +49,21 @@ static const char *name_of(int index)
     return "";
 }
 
-/* M/(h gamma) - df/dy, factored; 1 if singular, which the message tells. */
-static int factor(struct instance *m, double reciprocal)
+/* Factors s M - df/dy and solves with it for the first time; 1 if it is singular, which the message tells. */
+static int factor(struct instance *m, double s, const double *b, double *x)
 {
-    struct workspace *w = &m->work;
-    memset(w->matrix, 0, sizeof w->matrix);
-    for (int k = 0; k < NNZ; k++)
-        w->matrix[model_place[model_row[k]] * N + model_place[model_column[k]]] = -w->nonzeros[k];
-    for (int i = 0; i < NX; i++)
-        w->matrix[model_place[i] * (N + 1)] += reciprocal;
-    m->statistics.factorizations++;
-    int lost = lu_factor(N, w->matrix, w->pivot);
-    for (int i = 0; i < N && lost > 0; i++)
-        if (model_place[i] == lost - 1)
-            return fail(m, "the matrix of the solver is singular at t = %.9g s: nothing determines %s", m->state.time,
-                        name_of(i));
-    if (N > DENSE_UP_TO)
-        lu_compress(w->matrix, w->pivot, model_place, &w->factors);
-    return 0;
+    int lost = matrix_factor(m, s, b, x);
+    return lost > 0 && fail(m, "the matrix of the solver is singular at t = %.9g s: nothing determines %s", m->state.time,
+                            name_of(lost - 1));
 }
 
-/* Solves with that matrix, in place. */
-static void solve(struct instance *m, double *b)
+/* to = base, with the sum of weight[j] stage[j] over the first `count` stages added in the first n components. */
+static void combine(const struct workspace *w, const double *base, int n, int count, const double *weight, double *to)
 {
-    struct workspace *w = &m->work;
-    if (N > DENSE_UP_TO) {
-        lu_solve_compressed(&w->factors, b, w->ordered);
-    } else {
-        for (int i = 0; i < N; i++)
-            w->ordered[model_place[i]] = b[i];
-        lu_solve(N, w->matrix, w->pivot, w->ordered);
-    }
-    for (int i = 0; i < N; i++)
-        b[i] = w->ordered[model_place[i]];
+    memcpy(to, base, N * sizeof(double));
+    for (int j = 0; j < count; j++)
+        for (int i = 0; i < n; i++)
+            to[i] += weight[j] * w->stage[j][i];
 }
 
 /* One step with the Jacobian in the workspace; new values into `trial`, estimated error into `error`. */
@@ -89,26 +71,20 @@ static int rodas_step(struct instance *m, double h)
 {
     struct workspace *w = &m->work;
     const double *y = m->state.y, t = m->state.time;
-    if (factor(m, 1 / (h * GAMMA)) != 0)
+    for (int i = 0; i < N; i++)
+        w->right[i] = w->f[i] + h * DELTA[0] * w->ft[i];
+    if (factor(m, 1 / (h * GAMMA), w->right, w->stage[0]) != 0)
         return 1;
-    for (int stage = 0; stage < STAGES; stage++) {
-        double *k = w->stage[stage], *sum = w->error;
-        if (stage == 0) {
-            memcpy(k, w->f, N * sizeof(double));
-        } else {
-            memcpy(w->trial, y, N * sizeof(double));
-            for (int j = 0; j < stage; j++)
-                for (int i = 0; i < N; i++)
-                    w->trial[i] += A[stage][j] * w->stage[j][i];
-            evaluate_residual(m, t + ALPHA[stage] * h, w->trial, k);
-        }
-        memset(sum, 0, N * sizeof(double));
+    for (int stage = 1; stage < STAGES; stage++) {
+        double weight[STAGES - 1];
         for (int j = 0; j < stage; j++)
-            for (int i = 0; i < NX; i++)
-                sum[i] += C[stage][j] * w->stage[j][i];
+            weight[j] = C[stage][j] / h;
+        combine(w, y, N, stage, A[stage], w->trial);
+        evaluate_residual(m, t + ALPHA[stage] * h, w->trial, w->error);
         for (int i = 0; i < N; i++)
-            k[i] += sum[i] / h + h * DELTA[stage] * w->ft[i];
-        solve(m, k);
+            w->error[i] += h * DELTA[stage] * w->ft[i];
+        combine(w, w->error, NX, stage, weight, w->right);
+        matrix_solve(m, w->right, w->stage[stage]);
     }
     for (int i = 0; i < N; i++) {
         w->error[i] = w->stage[STAGES - 1][i];
@@ -293,10 +269,9 @@ static int euler_step(struct instance *m, double h)
     struct workspace *w = &m->work;
     double t = m->state.time;
     for (int j = 0; j < N; j++)
-        w->trial[j] = w->f[j] + h * w->ft[j];
-    if (factor(m, 1 / h) != 0)
+        w->right[j] = w->f[j] + h * w->ft[j];
+    if (factor(m, 1 / h, w->right, w->trial) != 0)
         return 1;
-    solve(m, w->trial);
     for (int j = 0; j < N; j++)
         w->trial[j] += m->state.y[j];
     int culprit = first_not_finite(w->trial);

@@ -1,19 +1,22 @@
-/* Dense LU factorisation with partial pivoting (Golub & Van Loan, Matrix Computations, algorithm 3.4.1).
+/* Linear systems: dense ones, and that of an implicit step, (s M - df/dy) x = b with M = diag(1 for states, 0 for algebraic
+   unknowns).
 
-   The Jacobian of a circuit is mostly zeros, and in the order of elimination that seacrane.model.codegen finds most of
-   them survive. They are skipped: rows that need no elimination, columns in which the pivot row is zero, and in the
-   solution all that `struct factors` does not list. */
-#include <math.h>
-
+   The latter is mostly zeros. It is solved by the straight code that seacrane.model.elimination has made for it; as that
+   seeks no pivots, its first solution is put to the test, and if it fails the matrix is factored again in full. */
 #include "core.h"
 
-/* Factors the row-major n x n matrix `a` in place. If it is singular or not finite, returns the number of the column (from
-   one on) where that shows. */
+#include <math.h>
+#include <string.h>
+
+#define NEAR 1e-10 /* by which share of its terms an equation may be missed */
+
+/* LU factorisation with partial pivoting (Golub & Van Loan, Matrix Computations, algorithm 3.4.1). Factors the
+   row-major n x n matrix `a` in place. If it is singular or not finite, returns the number of the column (from one on) where
+   that shows. */
 int lu_factor(int n, double *a, int *pivot)
 {
-    int column[ROOM(N)];
     for (int k = 0; k < n; k++) {
-        int best = k, columns = 0;
+        int best = k;
         double largest = fabs(a[k * n + k]);
         for (int i = k + 1; i < n; i++) {
             double size = fabs(a[i * n + k]);
@@ -33,22 +36,14 @@ int lu_factor(int n, double *a, int *pivot)
             }
         }
         double reciprocal = 1 / a[k * n + k];
-        if (n > DENSE_UP_TO)
-            for (int j = k + 1; j < n; j++)
-                if (a[k * n + j] != 0)
-                    column[columns++] = j;
         for (int i = k + 1; i < n; i++) {
             double factor = a[i * n + k];
             if (factor == 0)
                 continue;
             factor *= reciprocal;
             a[i * n + k] = factor;
-            if (n > DENSE_UP_TO)
-                for (int c = 0; c < columns; c++)
-                    a[i * n + column[c]] -= factor * a[k * n + column[c]];
-            else
-                for (int j = k + 1; j < n; j++)
-                    a[i * n + j] -= factor * a[k * n + j];
+            for (int j = k + 1; j < n; j++)
+                a[i * n + j] -= factor * a[k * n + j];
         }
     }
     return 0;
@@ -76,49 +71,66 @@ void lu_solve(int n, const double *a, const int *pivot, double *b)
     }
 }
 
-/* Lists what is not zero in the N x N factors, for solving many times. Row `place[i]` was equation i before rows were
-   exchanged. */
-void lu_compress(const double *a, const int *pivot, const int *place, struct factors *f)
+/* Whether x solves the system as it would with entries that are changed in their tenth digit. This depends neither on the
+   units of the unknowns nor on those of the equations (W. Oettli and W. Prager, Numerische Mathematik 6, 1964). */
+static int solves(struct instance *m, double s, const double *b, const double *x)
 {
-    int next = 0;
-    for (int i = 0; i < N; i++)
-        f->row[place[i]] = i;
-    for (int k = 0; k < N; k++) {
-        int swap = f->row[k];
-        f->row[k] = f->row[pivot[k]];
-        f->row[pivot[k]] = swap;
-    }
+    struct workspace *w = &m->work;
     for (int i = 0; i < N; i++) {
-        f->lower[i] = next;
-        for (int j = 0; j < i; j++)
-            if (a[i * N + j] != 0) {
-                f->column[next] = j;
-                f->value[next++] = a[i * N + j];
-            }
-        f->upper[i] = next;
-        for (int j = i + 1; j < N; j++)
-            if (a[i * N + j] != 0) {
-                f->column[next] = j;
-                f->value[next++] = a[i * N + j];
-            }
-        f->reciprocal[i] = 1 / a[i * N + i];
+        double term = i < NX ? s * x[i] : 0;
+        w->misfit[i] = b[i] - term;
+        w->size[i] = fabs(b[i]) + fabs(term);
     }
-    f->lower[N] = next;
+    for (int k = 0; k < NNZ; k++) {
+        double term = w->nonzeros[k] * x[model_column[k]];
+        w->misfit[model_row[k]] += term;
+        w->size[model_row[k]] += fabs(term);
+    }
+    for (int i = 0; i < N; i++)
+        if (!(fabs(w->misfit[i]) <= NEAR * w->size[i]))
+            return 0;
+    return 1;
 }
 
-/* Solves with the listed factors: `b` in the order of equations, `x` in the order of elimination. */
-void lu_solve_compressed(const struct factors *f, const double *b, double *x)
+/* Factors the matrix with the Jacobian in the workspace, and solves with it for the first time. If it is singular, returns
+   the number of the column (from one on) where that shows. */
+int matrix_factor(struct instance *m, double s, const double *b, double *x)
 {
-    for (int i = 0; i < N; i++) {
-        double sum = b[f->row[i]];
-        for (int e = f->lower[i]; e < f->upper[i]; e++)
-            sum -= f->value[e] * x[f->column[e]];
-        x[i] = sum;
+    struct workspace *w = &m->work;
+    m->statistics.factorizations++;
+    w->pivoted = NFACTORS == 0;
+    if (!w->pivoted) {
+        w->argument[0] = w->nonzeros;
+        w->argument[1] = &s;
+        w->result[0] = w->factors;
+        model_factor(w->argument, w->result, w->iw, w->w, 0);
+        matrix_solve(m, b, x);
+        if (solves(m, s, b, x))
+            return 0;
+        w->pivoted = 1;
     }
-    for (int i = N - 1; i >= 0; i--) {
-        double sum = x[i];
-        for (int e = f->upper[i]; e < f->lower[i + 1]; e++)
-            sum -= f->value[e] * x[f->column[e]];
-        x[i] = sum * f->reciprocal[i];
+    memset(w->matrix, 0, sizeof w->matrix);
+    for (int k = 0; k < NNZ; k++)
+        w->matrix[model_row[k] * N + model_column[k]] = -w->nonzeros[k];
+    for (int i = 0; i < NX; i++)
+        w->matrix[i * (N + 1)] += s;
+    int lost = lu_factor(N, w->matrix, w->pivot);
+    if (lost == 0)
+        matrix_solve(m, b, x);
+    return lost;
+}
+
+/* Solves with the matrix that has been factored; x and b are different places. */
+void matrix_solve(struct instance *m, const double *b, double *x)
+{
+    struct workspace *w = &m->work;
+    if (w->pivoted) {
+        memcpy(x, b, N * sizeof(double));
+        lu_solve(N, w->matrix, w->pivot, x);
+        return;
     }
+    w->argument[0] = w->factors;
+    w->argument[1] = b;
+    w->result[0] = x;
+    model_solve(w->argument, w->result, w->iw, w->w, 0);
 }

@@ -12,7 +12,7 @@
 
 #include <stdint.h>
 
-#include "model_size.h" /* MODEL_GUID, NX, NZ, NU, NP, NM, NE, NY, NW, NNZ, NNZ_ALG, WORK_... */
+#include "model_size.h" /* MODEL_GUID, NX, NZ, NU, NP, NM, NE, NY, NW, NNZ, NNZ_ALG, NFACTORS, WORK_... */
 
 /* However the sources are compiled, what they share stays inside: names such as `step` are in the C library too, and on
    Linux would be taken from there. */
@@ -43,7 +43,6 @@ extern const double model_start_y[ROOM(N)], model_nominal_y[ROOM(N)];
 extern const double model_start_u[ROOM(NU)];
 extern const double model_start_m[ROOM(NM)];
 extern const double model_start_p[ROOM(NP)], model_minimum_p[ROOM(NP)], model_maximum_p[ROOM(NP)];
-extern const int model_place[ROOM(N)]; /* of each unknown in the order of elimination */
 extern const int model_row[ROOM(NNZ)], model_column[ROOM(NNZ)];                 /* pattern of df/dy */
 extern const int model_row_alg[ROOM(NNZ_ALG)], model_column_alg[ROOM(NNZ_ALG)]; /* pattern of dalg/dz */
 extern const char *const model_event[ROOM(NE)]; /* names */
@@ -53,6 +52,8 @@ extern const unsigned char model_hash[16];
 typedef int model_function(const double **argument, double **result, int *iw, double *w, int memory);
 model_function model_residual;    /* t y u p          -> f */
 model_function model_jacobian;    /* t y u p          -> f, nonzeros of df/dy, df/dt */
+model_function model_factor;      /* nonzeros s       -> factors of s M - df/dy, M = diag(1 for states, 0 for the others) */
+model_function model_solve;       /* factors b        -> x with (s M - df/dy) x = b */
 model_function model_algebraic;   /* t y u p          -> alg, nonzeros of dalg/dz */
 model_function model_input_rate;  /* t y u p du/dt    -> df/du du/dt */
 model_function model_output;      /* t y u p          -> outputs */

@@ -9,10 +9,13 @@ left; ten of them in a chain are stepped at 1 ms by Jacobi's scheme, without log
 memory (ecospy: to a CSV file, it has no log in memory). Then longer chains; a winch drive and the crane that it hoists
 on, exported from the reference crane, at 10 kHz; and slaves that cost 1, 50 and 200 us on one and on two threads.
 
+What the FMUs cost by themselves is measured beside, in the same process and turn by turn: a bare C loop sets the inputs
+that our run had, steps and gets. `master` is what an engine takes above that, in the median of the turns.
+
 Each engine runs in a process of its own, with all its threads counted. Figures are CPU time, but for the threads, where
-it is the clock that counts; rounds of all engines are interleaved, and the least of the rounds is given. Peers that
-are not installed are named and left out. On a busy machine threads show nothing but how busy it is, unless the whole
-has precedence: `chrt -f 1 python benchmarks/cosim.py`.
+it is the clock that counts; each is the least of several repeats, and with `--rounds` that of so many rounds of all
+engines. Rows are printed as they come. Peers that are not installed are named and left out. On a busy machine threads
+show nothing but how busy it is, unless the whole has precedence: `chrt -f 1 python benchmarks/cosim.py`.
 """
 
 from __future__ import annotations
@@ -24,138 +27,27 @@ import platform
 import subprocess
 import sys
 import tempfile
+import threading
 import time
-import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from cosim_cases import Alone, chain, crane_pair, make_crane_pair, make_oscillator, system
 from cosim_peers import MISSING, PEERS, Case
 
-from seacrane import design, fmi, plant
-from seacrane.cosim import Execution, FmuSlave, Jacobi, System
-from seacrane.native import compiler
+from seacrane.cosim import Execution, Jacobi
 
-INPUTS, OUTPUTS = [f"u{i}" for i in range(1, 5)], [f"y{i}" for i in range(1, 5)]
+THREADS = "seacrane, threads"
+REPEATS = 16
+SECONDS = 0.025
+"""CPU time of a repeat, about."""
 
-SOURCE = r"""
-/* x1' = x2, x2' = -k x1 - d x2 + u1 + u2/10 + u3/100 + u4/1000; y = x1, x2, x1/2, x1 + x2. Value references: u 1 to 4,
-   y 5 to 8, x 9 and 10, k 11, d 12, and 13 the number of Euler steps in a step, which says what the FMU costs. It
-   starts at 1 and passes on what it gets, so that no number dies away into what processors are slow with. */
-#include <stdlib.h>
-#include <string.h>
-#define COUNT 14
-typedef struct { double v[COUNT]; } Oscillator;
-static void outputs(double *v) { v[5] = v[9]; v[6] = v[10]; v[7] = v[9] / 2; v[8] = v[9] + v[10]; }
-void *fmi2Instantiate(const char *n, int t, const char *g, const char *r, const void *f, int v, int l)
-{
-    Oscillator *o = calloc(1, sizeof *o);
-    if (o) { o->v[9] = 1; o->v[11] = 1; o->v[12] = 2; o->v[13] = 1; }
-    return o;
-}
-void fmi2FreeInstance(void *c) { free(c); }
-int fmi2SetupExperiment(void *c, int a, double b, double t, int d, double e) { return 0; }
-int fmi2EnterInitializationMode(void *c) { outputs(((Oscillator *)c)->v); return 0; }
-int fmi2ExitInitializationMode(void *c) { outputs(((Oscillator *)c)->v); return 0; }
-int fmi2GetReal(void *c, const unsigned r[], size_t n, double v[])
-{
-    for (size_t i = 0; i < n; i++) { if (r[i] >= COUNT) return 3; v[i] = ((Oscillator *)c)->v[r[i]]; }
-    return 0;
-}
-int fmi2SetReal(void *c, const unsigned r[], size_t n, const double v[])
-{
-    for (size_t i = 0; i < n; i++) { if (r[i] >= COUNT) return 3; ((Oscillator *)c)->v[r[i]] = v[i]; }
-    return 0;
-}
-int fmi2DoStep(void *c, double t, double h, int keep)
-{
-    double *v = ((Oscillator *)c)->v, u = v[1] + 0.1 * v[2] + 0.01 * v[3] + 0.001 * v[4];
-    long n = (long)v[13];
-    for (long i = 0; i < n; i++) {
-        double a = u - v[11] * v[9] - v[12] * v[10];
-        v[9] += h / n * v[10];
-        v[10] += h / n * a;
-    }
-    outputs(v);
-    return 0;
-}
-const char *fmi2GetVersion(void) { return "2.0"; }
-const char *fmi2GetTypesPlatform(void) { return "default"; }
-#define NOTHING(name) int fmi2##name(void) { return 0; }
-NOTHING(SetDebugLogging) NOTHING(Terminate) NOTHING(Reset)
-NOTHING(GetInteger) NOTHING(GetBoolean) NOTHING(GetString) NOTHING(SetInteger) NOTHING(SetBoolean) NOTHING(SetString)
-NOTHING(GetFMUstate) NOTHING(SetFMUstate) NOTHING(FreeFMUstate) NOTHING(SerializedFMUstateSize)
-NOTHING(SerializeFMUstate) NOTHING(DeSerializeFMUstate) NOTHING(GetDirectionalDerivative)
-NOTHING(SetRealInputDerivatives) NOTHING(GetRealOutputDerivatives) NOTHING(CancelStep) NOTHING(GetStatus)
-NOTHING(GetRealStatus) NOTHING(GetIntegerStatus) NOTHING(GetBooleanStatus) NOTHING(GetStringStatus)
-"""
+Row = dict[str, Any]
 
 
-def description() -> str:
-    scalars = [(n, i, "input", "continuous", 'start="0"') for i, n in enumerate(INPUTS, 1)]
-    scalars += [(n, i, "output", "continuous", "") for i, n in enumerate(OUTPUTS, 5)]
-    scalars += [("x1", 9, "local", "continuous", ""), ("x2", 10, "local", "continuous", "")]
-    scalars += [("k", 11, "parameter", "fixed", 'start="1"'), ("d", 12, "parameter", "fixed", 'start="2"')]
-    scalars += [("substeps", 13, "parameter", "fixed", 'start="1"')]
-    variables = "".join(
-        f'<ScalarVariable name="{name}" valueReference="{reference}" causality="{causality}" variability="{changes}">'
-        f"<Real {start}/></ScalarVariable>"
-        for name, reference, causality, changes, start in scalars
-    )
-    unknowns = "".join(f'<Unknown index="{i}" dependencies=""/>' for i in range(5, 9))
-    return (
-        '<fmiModelDescription fmiVersion="2.0" modelName="oscillator" guid="seacrane-benchmark">'
-        '<CoSimulation modelIdentifier="oscillator" canHandleVariableCommunicationStepSize="true"/>'
-        f"<ModelVariables>{variables}</ModelVariables><ModelStructure><Outputs>{unknowns}</Outputs>"
-        f"<InitialUnknowns>{unknowns}</InitialUnknowns></ModelStructure></fmiModelDescription>"
-    )
-
-
-def make_oscillator(folder: Path) -> Path:
-    """The benchmark FMU, compiled by this machine's compiler."""
-    source, library, path = folder / "oscillator.c", folder / "oscillator.so", folder / "oscillator.fmu"
-    source.write_text(SOURCE)
-    subprocess.run([*compiler(), "-O2", "-w", "-shared", "-fPIC", source, "-o", library], check=True)
-    with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("modelDescription.xml", description())
-        archive.write(library, "binaries/linux64/oscillator.so")
-    return path
-
-
-def chain(path: Path, length: int, substeps: int = 1) -> Case:
-    """FMUs of which each drives the next by all its outputs."""
-    names = [f"m{i}" for i in range(length)]
-    return Case(
-        f"chain of {length}",
-        dict.fromkeys(names, path),
-        [(a, y, b, u) for a, b in pairwise(names) for y, u in zip(OUTPUTS, INPUTS, strict=True)],
-        1e-3,
-        [(name, y) for name in names for y in OUTPUTS],
-        {name: {"substeps": float(substeps)} for name in names},
-    )
-
-
-def make_crane_pair(folder: Path) -> None:
-    """The winch drive and the mechanics of the reference crane, at 10 kHz."""
-    parts = plant.parts(design.load("offshore-100t"))
-    for name in ("winch_drive", "crane"):
-        fmi.export(parts[name], folder / f"{name}.fmu")
-
-
-def crane_pair(folder: Path) -> Case:
-    return Case(
-        "winch and crane, 10 kHz",
-        {name: folder / f"{name}.fmu" for name in ("winch_drive", "crane")},
-        [("winch_drive", "torque", "crane", "drum.torque"), ("crane", "drum.speed", "winch_drive", "speed")],
-        1e-4,
-        [("winch_drive", "torque"), ("crane", "rope.tension")],
-        {name: {"solver.fixed_step": 1e-4} for name in ("winch_drive", "crane")},
-    )
-
-
-# ---------------------------------------------------------------- ours
 @dataclass
 class Ours:
     """A case with our own master."""
@@ -166,133 +58,161 @@ class Ours:
     run: Execution = field(init=False)
 
     def __post_init__(self) -> None:
-        slaves: dict[tuple[Path, str], FmuSlave] = {}
-        system = System(self.case.name.replace(" ", "_"))
-        for name, path in self.case.slaves.items():
-            starts = self.case.starts.get(name, {})
-            key = (path, repr(starts))
-            if key not in slaves:
-                slaves[key] = FmuSlave(path, starts)
-            system.add(name, slaves[key])
-        for source, output, target, entry in self.case.joined:
-            system.connect(f"{source}.{output}", f"{target}.{entry}")
-        self.run = Execution(system, Jacobi(self.case.step), threads=self.threads)
+        self.run = Execution(system(self.case), Jacobi(self.case.step), threads=self.threads)
         if self.logging:
-            self.run.record([".".join(end) for end in self.case.logged])
+            self.run.record([".".join(end) for end in self.case.logged], keep=10.0)
         self.run.start()
 
     def step(self, steps: int) -> None:
         self.run.step(steps)
 
-    def last(self) -> float:
-        return float(self.run.values([".".join(self.case.logged[-1])])[0])
-
-
-TRIED = 1000
-"""Macro steps in which a run decides, more than once, whether threads pay."""
 
 ENGINES: dict[str, Callable[[Case, bool], Any]] = {"seacrane": Ours, **PEERS}
 
 
-def timed(engine: Any, steps: int, repeats: int) -> tuple[float, float]:
-    """CPU and clock time [s] of so many steps: each the least of the repeats. The first steps start what is lazy."""
-    engine.step(max(2, steps // 20))
-    found = []
-    for _ in range(repeats):
-        wall, cpu = time.perf_counter(), time.process_time()
-        engine.step(steps)
-        found.append((time.process_time() - cpu, time.perf_counter() - wall))
-    return min(cpu for cpu, _ in found), min(wall for _, wall in found)
+# ---------------------------------------------------------------- one engine, in a process of its own
+def timed(engine: Any, steps: int) -> tuple[float, float]:
+    """CPU and clock time [s] of so many steps."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    engine.step(steps)
+    return time.process_time() - cpu, time.perf_counter() - wall
 
 
-def measure(engine: str, folder: Path) -> list[dict[str, Any]]:
+def repeated(*runs: Any) -> np.ndarray:
+    """CPU and clock time [s] of a step, shape (runs, repeats, 2), turn by turn. The first steps start what is lazy."""
+    steps = []
+    for run in runs:
+        run.step(3)
+        steps.append(max(20, round(SECONDS / max(timed(run, 20)[0] / 20, 1e-7))))
+    found = [[timed(run, count) for run, count in zip(runs, steps, strict=True)] for _ in range(REPEATS)]
+    return np.swapaxes(found, 0, 1) / np.reshape(steps, (-1, 1, 1))
+
+
+def measure(engine: str, folder: Path) -> Iterator[Row]:
     """The rows of one engine, in this process."""
-    path, rows = folder / "oscillator.fmu", []
-    budget = 3_000 if engine == "FMPy" else 20_000
-    plan = [(chain(path, 10), logging, budget) for logging in (False, True)]
+    path = folder / "oscillator.fmu"
+    if engine == THREADS:
+        yield from threads(path)
+        return
+    plan = [(chain(path, 10), logging) for logging in (False, True)]
     if engine in ("seacrane", "libcosimpy, 0 worker threads"):
-        plan += [(chain(path, length), False, 10 * budget // length) for length in (100, 1000)]
+        plan += [(chain(path, length), False) for length in (100, 1000)]
     if engine != "FMPy":
-        plan.append((crane_pair(folder), False, 5_000))
-    for case, logging, steps in plan:
+        plan.append((crane_pair(folder), False))
+    for case, logging in plan:
         run = ENGINES[engine](case, logging)
-        cpu, wall = timed(run, steps, 3)
-        per = 1e6 / steps / len(case.slaves)
+        found = repeated(run) if logging else repeated(run, Alone(case, folder))
+        found *= 1e6 / len(case.slaves)
         kept = "none" if not logging else "CSV" if engine == "ecospy" else "memory"
-        rows.append({"engine": engine, "case": case.name, "logging": kept, "us_per_fmu_step": per * cpu,
-                     "clock_us_per_fmu_step": per * wall, "last": run.last()})  # fmt: skip
+        cpu, wall = found[0].min(axis=0).tolist()
+        row = {"engine": engine, "case": case.name, "logging": kept, "us_per_fmu_step": cpu,
+               "clock_us_per_fmu_step": wall}  # fmt: skip
+        if not logging:
+            row["master_us_per_fmu_step"] = float(np.median(found[0, :, 0] - found[1, :, 0]))
+        yield row
         del run
-    if engine == "seacrane":
-        rows += threads(path)
-    return rows
 
 
-def threads(path: Path) -> list[dict[str, Any]]:
+def threads(path: Path) -> Iterator[Row]:
     """Slaves of 1, 50 and 200 us on one thread and on two, by the clock, turn by turn."""
-    cost = timed(Ours(chain(path, 1, 20_000), False), 50, 5)[0] / 50 / 20_000  # of one Euler step
-    rows = []
+    cost = repeated(Ours(chain(path, 1, 20_000), False)).min() / 20_000  # of one Euler step
     for us in (1, 50, 200):
         case = chain(path, 10, round(us * 1e-6 / cost))
         runs = {count: Ours(case, False, count) for count in (1, 2)}
-        steps = max(20, 20_000 // us)
+        steps = max(50, 5_000 // us)
         for run in runs.values():
-            run.step(max(steps, TRIED))
-        least = dict.fromkeys(runs, float("inf"))
-        for _ in range(15):
+            run.step(200)  # in which it is decided whether threads pay
+        found: dict[int, list[float]] = {count: [] for count in runs}
+        for _ in range(12):
             for count, run in runs.items():
-                least[count] = min(least[count], timed(run, steps, 1)[1])
-        for count, wall in least.items():
-            per = 1e6 * wall / steps / len(case.slaves)
-            rows.append({"engine": f"seacrane, {count} thread{'s' * (count > 1)}", "logging": "none",
-                         "case": f"{case.name}, slaves of {us} us", "us_per_fmu_step": per,
-                         "clock_us_per_fmu_step": per})  # fmt: skip
-    return rows
+                found[count].append(timed(run, steps)[1])
+        for count, walls in found.items():
+            per = 1e6 * min(walls) / steps / len(case.slaves)
+            yield {"engine": f"seacrane, {count} thread{'s' * (count > 1)}", "logging": "none",
+                   "case": f"{case.name}, slaves of {us} us", "us_per_fmu_step": per,
+                   "clock_us_per_fmu_step": per}  # fmt: skip
 
 
-def in_a_process(engine: str, folder: Path) -> list[dict[str, Any]]:
+def in_a_process(engine: str, folder: Path) -> Iterator[Row]:
     command = [sys.executable, __file__, "--measure", engine, "--folder", str(folder)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
-    if done.returncode:
-        print(f"{engine} failed: {done.stderr.strip()[-400:]}", file=sys.stderr)
-        return []
-    found: list[dict[str, Any]] = json.loads(done.stdout.splitlines()[-1])
-    return found
+    with (
+        tempfile.TemporaryFile("w+") as said,
+        subprocess.Popen(command, stdout=subprocess.PIPE, stderr=said, text=True) as process,
+    ):
+        late = threading.Timer(300, process.kill)
+        late.start()
+        assert process.stdout is not None
+        for line in process.stdout:
+            if line.startswith("{"):
+                yield json.loads(line)
+        late.cancel()
+        if process.wait():
+            said.seek(0)
+            print(f"{engine} failed: {said.read().strip()[-400:]}", file=sys.stderr)
+
+
+# ---------------------------------------------------------------- what it shows
+def show(row: Row) -> None:
+    master = row.get("master_us_per_fmu_step")
+    print(f"{row['case']:30} {row['logging']:8} {row['engine']:30} {row['us_per_fmu_step']:9.3f} "
+          f"{row['clock_us_per_fmu_step']:9.3f} {'' if master is None else f'{master:9.3f}'}", flush=True)  # fmt: skip
+
+
+def conclusions(rows: list[Row]) -> Iterator[str]:
+    """How we stand beside the others with the crane, and what two threads gain."""
+    crane = {row["engine"]: row for row in rows if row["case"].startswith("winch")}
+    if ours := crane.pop("seacrane", None):
+        for engine, row in crane.items():
+            whole, master = ([r[key] for r in (ours, row)] for key in ("us_per_fmu_step", "master_us_per_fmu_step"))
+            yield (f"{row['case']}: {whole[0] / whole[1]:.2f} of the CPU time of {engine}; "
+                   f"of the masters alone, {master[0]:.2f} us beside {master[1]:.2f} us")  # fmt: skip
+    found = {(row["case"], row["engine"]): row["us_per_fmu_step"] for row in rows}
+    for (case, engine), us in found.items():
+        if engine == "seacrane, 1 thread" and (two := found.get((case, "seacrane, 2 threads"))):
+            yield f"{case}: two threads are {us / two:.2f} times as fast as one"
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--rounds", type=int, default=1, help="of all engines in turn; the least counts (default 1)")
     parser.add_argument("--json", type=Path, help="write the rows to this file")
-    parser.add_argument("--measure", choices=ENGINES, help=argparse.SUPPRESS)
+    parser.add_argument("--measure", choices=[*ENGINES, THREADS], help=argparse.SUPPRESS)
     parser.add_argument("--folder", type=Path, help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.measure:
-        print(json.dumps(measure(options.measure, options.folder)), flush=True)
+        for row in measure(options.measure, options.folder):
+            print(json.dumps(row), flush=True)
         os._exit(0)  # libraries of peers may wait for their threads
     for name, why in MISSING.items():
         print(f"{name} is left out: {why}")
-    best: dict[tuple[str, str, str], dict[str, Any]] = {}
+    best: dict[tuple[str, str, str], Row] = {}
     before = os.getloadavg()[0]
+    head = f"{'case':30} {'logging':8} {'engine':30} {'CPU us':>9} {'clock us':>9} {'master':>9}"
     with tempfile.TemporaryDirectory(prefix="seacrane-benchmark-") as name:
         folder = Path(name)
+        print("compiling the FMUs", flush=True)
         make_oscillator(folder)
         make_crane_pair(folder)
-        for _ in range(options.rounds):
-            for engine in ENGINES:
+        print(f"us per FMU and macro step\n{head}", flush=True)
+        for turn in range(options.rounds):
+            if turn:
+                print(f"round {turn + 1} of {options.rounds}", flush=True)
+            for engine in (*ENGINES, THREADS):
                 for row in in_a_process(engine, folder):
                     key = (row["engine"], row["case"], row["logging"])
                     if key not in best or row["us_per_fmu_step"] < best[key]["us_per_fmu_step"]:
                         best[key] = row
-    rows = list(best.values())
+                    show(row)
+    rows = sorted(best.values(), key=lambda row: (row["case"], row["logging"]))
     machine = {"processors": os.cpu_count(), "cpu": platform.processor() or platform.machine(),
                "load": [before, os.getloadavg()[0]]}  # fmt: skip
     print(
-        f"{machine['processors']} processors, load {before:.1f} to {machine['load'][1]:.1f}; us per FMU and macro step"
+        f"\n{machine['processors']} processors, load {before:.1f} to {machine['load'][1]:.1f}; the least of all\n{head}"
     )
-    print(f"{'case':28} {'logging':8} {'engine':30} {'us':>9} {'by clock':>9}")
-    for row in sorted(rows, key=lambda r: (r["case"], r["logging"])):
-        print(f"{row['case']:28} {row['logging']:8} {row['engine']:30} {row['us_per_fmu_step']:9.3f} "
-              f"{row['clock_us_per_fmu_step']:9.3f}")  # fmt: skip
+    for row in rows:
+        show(row)
+    for line in conclusions(rows):
+        print(line)
     if options.json:
         options.json.write_text(json.dumps({"rows": rows, "machine": machine, "left_out": MISSING}, indent=1) + "\n")
 

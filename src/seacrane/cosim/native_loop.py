@@ -54,7 +54,10 @@ class _Recorder(ctypes.Structure):
 
 class _Group(ctypes.Structure):
     _fields_ = [
-        *_fields((_Address, "members"), (_Int, "count natives phase parallel left taken lost_ns serial_ns")),
+        *_fields(
+            (_Address, "members"),
+            (_Int, "count natives phase parallel threaded left block taken block_ns waited_ns lost_ns serial_ns"),
+        ),
         ("trial_ns", _Int * _TRIALS),
     ]
 

@@ -191,6 +191,7 @@ int sweep(plan_t *p, int64_t from, int64_t size, int iterating) {
     p->sweeps += 1;
     for (int64_t n = 0; n < p->group_count; ++n) {
         group_t *g = p->groups + n;
+        const int64_t begin = group_begin(p, g);
         if (!p->depth)
             for (int64_t i = 0; i < g->count; ++i) {
                 const slave_t *s = p->slaves + g->members[i];
@@ -207,6 +208,7 @@ int sweep(plan_t *p, int64_t from, int64_t size, int iterating) {
             else if (p->depth)
                 push(p, s, from + size, s->outputs);
         }
+        group_end(p, g, begin);
     }
     return DONE;
 }

@@ -105,7 +105,7 @@ typedef struct { /* slaves that may step side by side, in the order in which the
     const int64_t *members;
     int64_t count, natives;
     /* how threads have proved here; no part of the state, since it changes no result */
-    int64_t phase, parallel, left, taken, lost_ns, serial_ns;
+    int64_t phase, parallel, threaded, left, block, taken, block_ns, waited_ns, lost_ns, serial_ns;
     int64_t trial_ns[2][TRIALS];
 } group_t;
 
@@ -179,7 +179,9 @@ int restore_all(plan_t *p, int slot);
 int iterate(plan_t *p, int64_t from, int64_t size);
 
 /* pool.c */
+int64_t group_begin(plan_t *p, group_t *g);
 void step_group(plan_t *p, group_t *g, int64_t from, int64_t size);
+void group_end(plan_t *p, group_t *g, int64_t begin);
 void pool_end(plan_t *p);
 
 #endif

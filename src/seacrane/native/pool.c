@@ -17,7 +17,9 @@ static void step_serially(plan_t *p, const group_t *g, int64_t from, int64_t siz
 }
 
 #if defined(_WIN32)
+int64_t group_begin(plan_t *p, group_t *g) { (void)p, (void)g; return 0; }
 void step_group(plan_t *p, group_t *g, int64_t from, int64_t size) { step_serially(p, g, from, size); }
+void group_end(plan_t *p, group_t *g, int64_t begin) { (void)p, (void)g, (void)begin; }
 void pool_end(plan_t *p) { (void)p; }
 #else
 
@@ -29,17 +31,19 @@ void pool_end(plan_t *p) { (void)p; }
 
 #define SPIN 2000           /* looks at the next work before a thread lies down: some 50 us */
 #define WORTH_TRYING 10000  /* [ns] of a sweep, below which waking another thread cannot pay */
-#define BLOCK 2             /* sweeps of one kind in a row; the faster counts, for the first may have to wake threads */
+#define BLOCK 2             /* sweeps of one kind in a row, or more, for at least ... */
+#define BLOCK_NS 200000     /* [ns]; the fastest counts, with threads awake, or with threads that have lain down again */
 #define GAIN 0.9            /* the share of the time below which threads are taken */
 #define HOLD 0.97           /* and that above which they are given up again */
 #define PERIOD 2048         /* sweeps after which it is measured anew */
 #define PATIENCE 10         /* what threads may lose before they are given up, in serial sweeps */
 #define CREDIT 64           /* what of their gains is held against later losses */
+#define DISTURBED 4         /* serial sweeps, beyond which it is not the threads that make a thread slow */
 #define RARITY 50           /* how much longer than what was lost it is until the next trial */
 #define LEAST_REST 256      /* sweeps */
 #define MOST_REST 5e8       /* [ns]: whatever has disturbed a trial, it does not decide for longer */
 
-enum { LOOK, TRY, SETTLED };
+enum { TRIAL, SETTLED };
 
 struct pool {
     pthread_t *threads;
@@ -64,15 +68,19 @@ static void pause_briefly(void) {
 
 static int64_t open_members(pool_t *pool) { return (int64_t)(atomic_load(&pool->open) % SWEEP); }
 
-/* Step members as long as there are any. A sweep is over only when all that were taken are done: until then, what the
- * pool says of it holds, for a thread that comes late as well. */
+/* Step members as long as there are any: several at once while there are many, so that threads do not wait for each
+ * other's taking. A sweep is over only when all that were taken are done: until then, what the pool says of it holds, for
+ * a thread that comes late as well. */
 static void take_members(pool_t *pool) {
     for (unsigned long long open = atomic_load(&pool->open); open % SWEEP > 0;) {
-        if (!atomic_compare_exchange_weak(&pool->open, &open, open - 1)) continue;
+        const int64_t rest = (int64_t)(open % SWEEP), taken = 1 + rest / (4 * (pool->count + 1));
+        if (!atomic_compare_exchange_weak(&pool->open, &open, open - (unsigned long long)taken)) continue;
         const group_t *g = pool->group;
-        slave_t *s = pool->plan->slaves + g->members[g->count - (int64_t)(open % SWEEP)];
-        if (!s->callback && active(pool->plan, s)) step_one(pool->plan, s, pool->from, pool->size);
-        atomic_fetch_sub(&pool->left, 1);
+        for (int64_t i = g->count - rest; i < g->count - rest + taken; ++i) {
+            slave_t *s = pool->plan->slaves + g->members[i];
+            if (!s->callback && active(pool->plan, s)) step_one(pool->plan, s, pool->from, pool->size);
+        }
+        atomic_fetch_sub(&pool->left, (long)taken);
         open = atomic_load(&pool->open);
     }
 }
@@ -128,17 +136,8 @@ static int64_t now(void) {
     return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
 }
 
-static int64_t time_serially(plan_t *p, const group_t *g, int64_t from, int64_t size) {
-    const int64_t begin = now();
-    step_serially(p, g, from, size);
-    return now() - begin;
-}
-
-/* The time that it has taken. This thread's own work cannot take longer than all of it: what does is a disturbance
- * that would have struck without threads as well, and does not count. */
-static int64_t time_in_parallel(plan_t *p, const group_t *g, int64_t from, int64_t size) {
+static void step_in_parallel(plan_t *p, group_t *g, int64_t from, int64_t size) {
     pool_t *pool = p->pool;
-    const int64_t begin = now();
     pool->group = g, pool->from = from, pool->size = size;
     atomic_store(&pool->left, g->count);
     atomic_store(&pool->open, (atomic_load(&pool->open) / SWEEP + 1) * SWEEP + (unsigned long long)g->count);
@@ -157,8 +156,7 @@ static int64_t time_in_parallel(plan_t *p, const group_t *g, int64_t from, int64
         if (i < SPIN) pause_briefly();
         else sched_yield();
     }
-    const int64_t own = done - begin, waited = now() - done;
-    return (own < g->serial_ns ? own : g->serial_ns) + waited;
+    g->waited_ns = now() - done;
 }
 
 static int64_t median(int64_t *v) {
@@ -175,7 +173,6 @@ static int64_t median(int64_t *v) {
 static void settle(group_t *g, int parallel) {
     g->phase = SETTLED;
     g->parallel = parallel;
-    g->taken = 0;
     g->left = PERIOD;
     if (parallel || g->serial_ns <= WORTH_TRYING) return;
     double rest = RARITY * (double)g->lost_ns;
@@ -185,43 +182,58 @@ static void settle(group_t *g, int parallel) {
     g->lost_ns = 0;
 }
 
-/* The time of a sweep, serial or parallel, and what follows from it. A trial is of blocks of both kinds in turn, so that
+/* The time of a sweep over the group, and what follows from it. A trial is of blocks of both kinds in turn, so that
  * whatever else the machine does slows both; the medians count, so that a few disturbed blocks do not. */
-static void judge(plan_t *p, group_t *g, int parallel, int64_t time) {
-    if (parallel) {
+static void judge(plan_t *p, group_t *g, int64_t time) {
+    if (g->threaded) {
         g->lost_ns += time - g->serial_ns;
         if (g->lost_ns < -CREDIT * g->serial_ns) g->lost_ns = -CREDIT * g->serial_ns;
         if (g->lost_ns > PATIENCE * g->serial_ns) settle(g, 0);
     }
     if (g->phase == SETTLED) return;
-    const int64_t pair = g->taken / (2 * BLOCK);
-    int64_t *least = g->trial_ns[parallel] + pair;
-    if (g->taken % BLOCK == 0 || time < *least) *least = time;
+    int64_t *least = g->trial_ns[g->threaded] + g->block / 2;
+    if (g->taken == 0 || time < *least) *least = time;
     g->taken += 1;
-    if (!parallel && g->taken % BLOCK == 0 && (pair == 0 || *least < g->serial_ns)) g->serial_ns = *least;
-    if (g->phase == LOOK && g->taken == BLOCK) {
+    g->block_ns += time;
+    if (g->taken < BLOCK || g->block_ns < BLOCK_NS) return;
+    g->taken = g->block_ns = 0;
+    if (!g->threaded && (g->block == 0 || *least < g->serial_ns)) g->serial_ns = *least;
+    g->block += 1;
+    if (g->block == 1) {
         if (g->serial_ns > WORTH_TRYING && !p->pool)
             p->pool = pool_begin(p, (p->threads < g->natives ? p->threads : g->natives) - 1);
-        if (g->serial_ns > WORTH_TRYING && p->pool && p->pool->count > 0) g->phase = TRY;
-        else settle(g, 0);
-    } else if (g->taken == 2 * BLOCK * TRIALS) {
+        if (g->serial_ns <= WORTH_TRYING || !p->pool || p->pool->count == 0) settle(g, 0);
+    } else if (g->block == 2 * TRIALS) {
         g->serial_ns = median(g->trial_ns[0]);
         settle(g, (double)median(g->trial_ns[1]) < (g->parallel ? HOLD : GAIN) * (double)g->serial_ns);
     }
 }
 
+/* Whether the group is stepped by threads this time; when it begins, 0 where that is not measured. */
+int64_t group_begin(plan_t *p, group_t *g) {
+    g->threaded = 0;
+    if (p->threads < 2 || g->natives < 2) return 0;
+    if (g->phase == SETTLED && --g->left <= 0) {
+        g->phase = TRIAL;
+        g->block = g->taken = g->block_ns = 0;
+    }
+    if (g->phase == SETTLED && !g->parallel) return 0;
+    g->threaded = g->phase == SETTLED || g->block % 2;
+    g->waited_ns = 0;
+    return now();
+}
+
 /* Step the members of a group; faults are left in the slaves. */
 void step_group(plan_t *p, group_t *g, int64_t from, int64_t size) {
-    if (p->threads < 2 || g->natives < 2) {
-        step_serially(p, g, from, size);
-        return;
-    }
-    if (g->phase == SETTLED && --g->left <= 0) g->phase = LOOK, g->taken = 0;
-    if (g->phase == SETTLED && !g->parallel) {
-        step_serially(p, g, from, size);
-        return;
-    }
-    const int parallel = g->phase == SETTLED || g->taken / BLOCK % 2;
-    judge(p, g, parallel, (parallel ? time_in_parallel : time_serially)(p, g, from, size));
+    if (g->threaded) step_in_parallel(p, g, from, size);
+    else step_serially(p, g, from, size);
+}
+
+/* Where this thread's own work took far longer than all of it should, that is mostly a disturbance that would have
+ * struck without threads as well. */
+void group_end(plan_t *p, group_t *g, int64_t begin) {
+    if (begin == 0) return;
+    const int64_t own = now() - begin - g->waited_ns, most = DISTURBED * g->serial_ns;
+    judge(p, g, (g->threaded && own > most ? most : own) + g->waited_ns);
 }
 #endif

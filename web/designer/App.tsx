@@ -1,126 +1,155 @@
-import { lazy, Suspense, useCallback, useEffect, useState } from "react";
-import { type Bench, BenchContext } from "./context";
+import { lazy, Suspense, useEffect, useRef } from "react";
+import { hear } from "./commands";
+import { type Bench, BenchContext, useBench, useLayout, useView } from "./context";
+import { SHARES, USUAL } from "./layout";
 import { CompareDialog } from "./panels/Compare";
 import { Curves } from "./panels/Curves";
+import { Files } from "./panels/Files";
 import { Help } from "./panels/Help";
 import { Inspector } from "./panels/Inspector";
 import { NewDialog } from "./panels/New";
 import { Notice } from "./panels/Notice";
 import { Optimise } from "./panels/Optimise";
+import { Palette } from "./panels/Palette";
 import { Problems } from "./panels/Problems";
+import { Separator } from "./panels/Separator";
+import { Edge, Panel, useWidths } from "./panels/Side";
 import { TopBar } from "./panels/TopBar";
-import { Verdict } from "./panels/Verdict";
+import { useVerdict, Verdict } from "./panels/Verdict";
 import { VersionsDialog } from "./panels/Versions";
-import { saveJson } from "./saving";
 import { Section } from "./section/Section";
-import { simulated } from "./server";
 
 const Solid = lazy(() => import("./solid/Solid"));
 
-export type Show = "section" | "both" | "solid";
-export type Dialog = "new" | "versions" | "compare" | "help" | null;
-
 export function App({ bench }: { bench: Bench }) {
-  const { designer } = bench;
-  const [show, setShow] = useState<Show>("section");
-  const [dialog, setDialog] = useState<Dialog>(null);
-  const [searching, setSearching] = useState(false);
-  const close = useCallback(() => setDialog(null), []);
-
   useEffect(() => {
-    const hear = (event: KeyboardEvent) => {
-      const typing = event.target instanceof Element && event.target.closest("input, select, textarea");
-      if (event.ctrlKey || event.metaKey) {
-        const key = event.key.toLowerCase();
-        if (key === "z" && !typing) {
-          event.preventDefault();
-          event.shiftKey ? designer.redo() : designer.undo();
-        } else if (key === "y" && !typing) {
-          event.preventDefault();
-          designer.redo();
-        } else if (key === "s") {
-          event.preventDefault();
-          saveJson(designer.store.getState().crane);
-        }
-        return;
-      }
-      if (typing || event.altKey) return;
-      if (event.key === "?") setDialog((now) => (now === "help" ? null : "help"));
-      else if (event.key === "1") setShow("section");
-      else if (event.key === "2") setShow("both");
-      else if (event.key === "3") setShow("solid");
-      else if (event.key === "n") setDialog("new");
-      else if (event.key === "o") setSearching((now) => !now);
-    };
-    window.addEventListener("keydown", hear);
-    return () => window.removeEventListener("keydown", hear);
-  }, [designer]);
-
-  const simulate = useCallback(
-    async (load: number) => {
-      const { crane, posture } = designer.store.getState();
-      // Opened at once, by the click: a browser holds back a window that opens later.
-      const page = window.open("", "_blank");
-      try {
-        const address = await simulated(crane, posture, load);
-        if (page) page.location.href = address;
-        else designer.tell(`The crane runs at ${address}`);
-      } catch (error) {
-        page?.close();
-        designer.tell((error as Error).message, "wrong");
-      }
-    },
-    [designer],
-  );
-
+    const heard = (event: KeyboardEvent) => hear(bench, event);
+    window.addEventListener("keydown", heard);
+    return () => window.removeEventListener("keydown", heard);
+  }, [bench]);
   return (
     <BenchContext value={bench}>
-      <div className="page" data-show={show}>
-        <TopBar show={show} onShow={setShow} onDialog={setDialog} />
-        <Inspector />
-        <main className="stage" aria-label="Drawing">
-          {show !== "solid" && <Section />}
-          {show !== "section" && (
-            <Suspense fallback={<section className="solid" />}>
-              <Solid />
-            </Suspense>
-          )}
-          <Notice />
-        </main>
-        <aside className="results" aria-label={searching ? "Optimisation" : "Load chart"}>
-          <nav className="modes" aria-label="Load chart or optimisation">
-            <button
-              type="button"
-              aria-pressed={!searching}
-              data-testid="show-chart"
-              onClick={() => setSearching(false)}
-            >
-              Load chart
-            </button>
-            <button
-              type="button"
-              aria-pressed={searching}
-              data-testid="show-optimise"
-              onClick={() => setSearching(true)}
-            >
-              Optimise
-            </button>
-          </nav>
-          <Problems />
-          {searching ? (
-            <Optimise />
-          ) : (
-            <>
-              <Curves />
-              <Verdict onSimulate={simulate} />
-            </>
-          )}
-        </aside>
-      </div>
-      <NewDialog open={dialog === "new"} onClose={close} />
-      <VersionsDialog open={dialog === "versions"} onClose={close} />
-      <CompareDialog open={dialog === "compare"} onClose={close} />
-      <Help open={dialog === "help"} onClose={close} />
+      <Page />
+      <Files />
+      <Dialogs />
     </BenchContext>
+  );
+}
+
+function Page() {
+  const { shown, swapped } = useLayout((state) => state);
+  const widths = useWidths();
+  useVerdict();
+  const design = (
+    <Panel key="design" side="design" label="Design">
+      <Inspector />
+    </Panel>
+  );
+  const results = <Results key="results" />;
+  const [left, right] = swapped ? (["results", "design"] as const) : (["design", "results"] as const);
+  const width = (side: typeof left) => (shown[side] ? `minmax(0, ${widths[side]}px)` : "0");
+  // In the order in which they are seen, for the tabulator
+  return (
+    <div
+      className="page"
+      style={{ gridTemplateColumns: `${width(left)} auto minmax(320px, 1fr) auto ${width(right)}` }}
+    >
+      <TopBar />
+      {swapped ? results : design}
+      <Edge key={`edge ${left}`} side={left} />
+      <Stage key="stage" />
+      <Edge key={`edge ${right}`} side={right} />
+      {swapped ? design : results}
+    </div>
+  );
+}
+
+/** The crane: from the side over its load chart, in three dimensions, or both. */
+function Stage() {
+  const { layout } = useBench();
+  const show = useView((state) => state.show);
+  const share = useLayout((state) => state.share);
+  const stage = useRef<HTMLElement>(null);
+  const percent = Math.round(100 * share);
+  return (
+    <main
+      ref={stage}
+      className="stage"
+      aria-label="Drawing"
+      style={show === "both" ? { gridTemplateColumns: `minmax(0, ${share}fr) auto minmax(0, ${1 - share}fr)` } : {}}
+    >
+      {show !== "solid" && <Section />}
+      {show === "both" && (
+        <div className="edge">
+          <Separator
+            label="Width of the workspace"
+            controls="workspace"
+            value={percent}
+            range={[100 * SHARES[0], 100 * SHARES[1]]}
+            text={`${percent} percent`}
+            steps={[2, 0.5]}
+            perPixel={() => 100 / (stage.current?.clientWidth ?? 1)}
+            onChange={(next) => layout.share(next / 100)}
+            onUsual={() => layout.share(USUAL.share)}
+          />
+        </div>
+      )}
+      {show !== "section" && (
+        <Suspense fallback={<section className="solid" />}>
+          <Solid />
+        </Suspense>
+      )}
+      <Notice />
+    </main>
+  );
+}
+
+function Results() {
+  const { view } = useBench();
+  const results = useView((state) => state.results);
+  return (
+    <Panel side="results" label={results === "optimise" ? "Optimisation" : "Load chart"}>
+      <nav className="modes" aria-label="Load chart or optimisation">
+        <button
+          type="button"
+          aria-pressed={results === "chart"}
+          data-testid="show-chart"
+          onClick={() => view.set({ results: "chart" })}
+        >
+          Load chart
+        </button>
+        <button
+          type="button"
+          aria-pressed={results === "optimise"}
+          data-testid="show-optimise"
+          onClick={() => view.set({ results: "optimise" })}
+        >
+          Optimise
+        </button>
+      </nav>
+      <Problems />
+      {results === "optimise" ? (
+        <Optimise />
+      ) : (
+        <>
+          <Curves />
+          <Verdict />
+        </>
+      )}
+    </Panel>
+  );
+}
+
+function Dialogs() {
+  const { view } = useBench();
+  const dialog = useView((state) => state.dialog);
+  return (
+    <>
+      <NewDialog open={dialog === "new"} onClose={view.close} />
+      <VersionsDialog open={dialog === "versions"} onClose={view.close} />
+      <CompareDialog open={dialog === "compare"} onClose={view.close} />
+      <Help />
+      <Palette />
+    </>
   );
 }

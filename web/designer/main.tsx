@@ -5,10 +5,13 @@ import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { App } from "./App";
 import { Charts } from "./charts";
+import { createLayout } from "./layout";
 import { autosave, recovered } from "./saving";
+import { createSearch } from "./search";
 import { given } from "./server";
 import { SHIPPED } from "./shipped";
 import { createDesigner } from "./store";
+import { createView } from "./view";
 
 const FIRST = "offshore-100t";
 
@@ -17,6 +20,7 @@ const theme = createTheme({
   fontFamily: "system-ui, 'Segoe UI', Roboto, 'Liberation Sans', 'Helvetica Neue', Arial, sans-serif",
   defaultRadius: "sm",
   respectReducedMotion: true,
+  components: { Modal: { defaultProps: { closeButtonProps: { "aria-label": "Close" } } } },
 });
 
 const [kept, asked] = [recovered(), await given()];
@@ -33,10 +37,19 @@ if (kept && asked && asked.name !== kept.crane.name) {
 }
 autosave(designer, (reason) => designer.tell(reason, "wrong"));
 
+const bench = {
+  designer,
+  view: createView(designer),
+  search: createSearch(designer),
+  layout: createLayout(),
+  sections: new Charts(),
+  curves: new Charts(),
+};
+
 createRoot(document.getElementById("root")!).render(
   <StrictMode>
     <MantineProvider theme={theme} defaultColorScheme="auto">
-      <App bench={{ designer, sections: new Charts(), curves: new Charts() }} />
+      <App bench={bench} />
     </MantineProvider>
   </StrictMode>,
 );

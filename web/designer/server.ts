@@ -82,6 +82,11 @@ export async function stopSearch(): Promise<Search> {
   return (await post("optimise/stop", "", "application/json")).json();
 }
 
+/** Puts a saved front in the place of the one that the server has. */
+export async function openFront(file: Blob): Promise<Search> {
+  return (await post("optimise/open", file, "application/json")).json();
+}
+
 /** Goes on with the front that the server has, to so many generations in all. */
 export async function resumeSearch(generations: number): Promise<Search> {
   return (await post("optimise/resume", JSON.stringify({ generations }), "application/json")).json();

@@ -1,6 +1,7 @@
 import { Loader } from "@mantine/core";
 import { lazy, Suspense, useCallback, useEffect, useState } from "react";
 import { useStore } from "zustand";
+import { takesKeys } from "../core/keys";
 import { Fallback } from "./panels/Fallback";
 import { Help } from "./panels/Help";
 import { Instruments } from "./panels/Instruments";
@@ -8,7 +9,7 @@ import { LinkNotice } from "./panels/LinkNotice";
 import { LiveBar } from "./panels/LiveBar";
 import { SticksPanel } from "./panels/SticksPanel";
 import { SessionContext } from "./panels/usePage";
-import { type Session, takesKeys } from "./session";
+import type { Session } from "./session";
 import { VIEWS, type View } from "./views";
 
 const Scene = lazy(() => import("./scene/Scene"));

@@ -3,6 +3,7 @@ import { createStore } from "zustand/vanilla";
 import { CommandRepeater, type Demand, type Pad, Sticks, ZERO } from "../core/driving";
 import { History } from "../core/history";
 import { type Readings, readings, wanted } from "../core/instruments";
+import { takesKeys } from "../core/keys";
 import { LinkLost, type LinkState, RpcClient } from "../core/rpc";
 import type { ModelDescription, SimulationStatus, StreamFrame } from "../rpc/messages";
 
@@ -352,13 +353,6 @@ function sameDemand(a: Demand, b: Demand): boolean {
     a.axes.jib === b.axes.jib &&
     a.axes.hoist === b.axes.hoist
   );
-}
-
-/** Whether keys belong to the focused element rather than to the crane. */
-export function takesKeys(target: EventTarget | null): boolean {
-  if (!(target instanceof HTMLElement)) return false;
-  if (target instanceof HTMLInputElement) return !["checkbox", "button", "submit"].includes(target.type);
-  return target instanceof HTMLTextAreaElement || target instanceof HTMLSelectElement || target.isContentEditable;
 }
 
 function isControl(target: EventTarget | null): boolean {

@@ -5,9 +5,8 @@ import { fixed, TONNE } from "../../core/units";
 import type { Charts } from "../charts";
 import { useBench, useDesigner } from "../context";
 import { gridStep } from "../section/window";
+import { usePlotSize } from "./plotSize";
 
-const WIDTH = 320;
-const HEIGHT = 232;
 const LEFT = 34;
 const BOTTOM = 26;
 const BAND = 0.5;
@@ -60,23 +59,26 @@ export interface Line {
 }
 
 export function Plot({ lines, rated = [] }: { lines: readonly Line[]; rated?: Crane["capacity"] }) {
+  const { ref, width, height } = usePlotSize(0.72, 420);
   const [at, setAt] = useState<number | null>(null);
   const chosen = lines.find((line) => line.kind === "chosen")?.curve;
   const furthest = Math.max(1, ...lines.map(({ curve }) => curve.radius.at(-1) ?? 0));
   const largest = Math.max(1, ...lines.map(({ curve }) => sensible(curve)));
   const top = 1.08 * largest;
-  const x = (radius: number) => LEFT + ((WIDTH - LEFT - 8) * radius) / furthest;
-  const y = (load: number) => HEIGHT - BOTTOM - ((HEIGHT - BOTTOM - 10) * Math.min(load, 1.2 * top)) / top;
-  const every = gridStep((WIDTH - LEFT) / furthest, 44);
-  const high = gridStep((HEIGHT - BOTTOM) / (top / TONNE), 34) * TONNE;
+  const x = (radius: number) => LEFT + ((width - LEFT - 8) * radius) / furthest;
+  const y = (load: number) => height - BOTTOM - ((height - BOTTOM - 10) * Math.min(load, 1.2 * top)) / top;
+  const every = gridStep((width - LEFT) / furthest, 44);
+  const high = gridStep((height - BOTTOM) / (top / TONNE), 34) * TONNE;
   const order = [...lines].sort((a, b) => Number(a.kind === "chosen") - Number(b.kind === "chosen"));
   const band = at === null || !chosen ? -1 : Math.round(at / BAND);
   const load = chosen?.load[band];
   return (
     <>
       <svg
+        ref={ref}
         className="plot"
-        viewBox={`0 0 ${WIDTH} ${HEIGHT}`}
+        height={height}
+        viewBox={`0 0 ${width} ${height}`}
         role="img"
         aria-label={describe(chosen)}
         data-testid="curves"
@@ -85,25 +87,25 @@ export function Plot({ lines, rated = [] }: { lines: readonly Line[]; rated?: Cr
         }
         onPointerMove={(event) => {
           const box = event.currentTarget.getBoundingClientRect();
-          const px = ((event.clientX - box.left) * WIDTH) / box.width;
-          setAt(((px - LEFT) * furthest) / (WIDTH - LEFT - 8));
+          const px = ((event.clientX - box.left) * width) / box.width;
+          setAt(((px - LEFT) * furthest) / (width - LEFT - 8));
         }}
         onPointerLeave={() => setAt(null)}
       >
         <clipPath id="plot-area">
-          <rect x={LEFT} y={4} width={WIDTH - LEFT} height={HEIGHT - BOTTOM - 4} />
+          <rect x={LEFT} y={4} width={width - LEFT} height={height - BOTTOM - 4} />
         </clipPath>
         {Array.from({ length: Math.floor(furthest / every) + 1 }, (_, i) => i * every).map((radius) => (
           <g key={radius} className="rule">
-            <line x1={x(radius)} x2={x(radius)} y1={4} y2={HEIGHT - BOTTOM} />
-            <text x={x(radius)} y={HEIGHT - BOTTOM + 13} textAnchor="middle">
+            <line x1={x(radius)} x2={x(radius)} y1={4} y2={height - BOTTOM} />
+            <text x={x(radius)} y={height - BOTTOM + 13} textAnchor="middle">
               {fixed(radius, every < 1 ? 1 : 0)}
             </text>
           </g>
         ))}
         {Array.from({ length: Math.floor(top / high) + 1 }, (_, i) => i * high).map((value) => (
           <g key={value} className="rule">
-            <line x1={LEFT} x2={WIDTH} y1={y(value)} y2={y(value)} />
+            <line x1={LEFT} x2={width} y1={y(value)} y2={y(value)} />
             <text x={LEFT - 4} y={y(value) + 4} textAnchor="end">
               {fixed(value / TONNE, high < TONNE ? 1 : 0)}
             </text>
@@ -128,7 +130,7 @@ export function Plot({ lines, rated = [] }: { lines: readonly Line[]; rated?: Cr
             <circle className="cursor" cx={x(chosen!.radius[band])} cy={y(load)} r={3.5} />
           )}
         </g>
-        <text className="name" x={WIDTH - 8} y={HEIGHT - 1} textAnchor="end">
+        <text className="name" x={width - 8} y={height - 1} textAnchor="end">
           radius [m]
         </text>
         <text className="name" x={LEFT + 4} y={14}>

@@ -3,10 +3,10 @@ import { best, type Front, largerIsBetter, range, result, sized, sizes, unitOfGo
 import { factor } from "../../core/design/quantity";
 import { colour } from "../../core/design/section";
 import { DASH, fixed } from "../../core/units";
+import { keyOf } from "../search";
 import { gridStep } from "../section/window";
+import { usePlotSize } from "./plotSize";
 
-const WIDTH = 320;
-const HEIGHT = 260;
 const LEFT = 40;
 const TOP = 20;
 const BOTTOM = 32;
@@ -19,11 +19,6 @@ interface Props {
   /** The candidate that is the design now, by its key. */
   loaded: string | null;
   onLoad: (index: number) => void;
-}
-
-/** Knows a candidate again in a later generation. */
-export function keyOf(front: Front, index: number): string {
-  return front.values[index].join(" ");
 }
 
 /** The front over two goals, a third by colour; what is under the pointer in numbers; and as a table. */
@@ -114,6 +109,7 @@ interface ScatterProps {
 }
 
 function Scatter({ front, order, stands, axes: [gx, gy, shade], loaded, shown, onPoint, onLoad }: ScatterProps) {
+  const { ref, width, height } = usePlotSize(0.8, 460);
   const scaleOf = (goal: number, from: number, to: number) => {
     const unit = factor(unitOfGoal(front.goals[goal].kind));
     const ends = range([...order.map((index) => front.results[index][goal]), ...(stands ? [stands[goal]] : [])]);
@@ -126,7 +122,7 @@ function Scatter({ front, order, stands, axes: [gx, gy, shade], loaded, shown, o
     const decimals = Math.max(0, -Math.floor(Math.log10(step)));
     return { at: (value: number) => from + (value / unit - low) * per, per, unit, ticks, decimals };
   };
-  const [x, y] = [scaleOf(gx, LEFT, WIDTH - 8), scaleOf(gy, HEIGHT - BOTTOM, TOP)];
+  const [x, y] = [scaleOf(gx, LEFT, width - 8), scaleOf(gy, height - BOTTOM, TOP)];
   const place = (results: readonly number[]) => [x.at(results[gx]), y.at(results[gy])] as const;
   const shades = shade === null ? null : order.map((index) => front.results[index][shade]);
   const [darkest, brightest] = shades ? [Math.min(...shades), Math.max(...shades)] : [0, 0];
@@ -139,7 +135,7 @@ function Scatter({ front, order, stands, axes: [gx, gy, shade], loaded, shown, o
   const impossible = front.violation.filter((v) => v > 0).length;
   const nearest = (event: { clientX: number; clientY: number; currentTarget: SVGSVGElement }) => {
     const box = event.currentTarget.getBoundingClientRect();
-    const scale = WIDTH / box.width;
+    const scale = width / box.width;
     const [px, py] = [(event.clientX - box.left) * scale, (event.clientY - box.top) * scale];
     const away = (index: number) => {
       const [cx, cy] = place(front.results[index]);
@@ -156,8 +152,10 @@ function Scatter({ front, order, stands, axes: [gx, gy, shade], loaded, shown, o
     <>
       {/* biome-ignore lint/a11y/useKeyWithClickEvents: the table below does the same by keyboard */}
       <svg
+        ref={ref}
         className="plot front"
-        viewBox={`0 0 ${WIDTH} ${HEIGHT}`}
+        height={height}
+        viewBox={`0 0 ${width} ${height}`}
         role="img"
         aria-label={`${order.length} designs that none beats in every goal: ${front.goals[gy].name} over ${front.goals[gx].name}`}
         data-testid="front"
@@ -171,19 +169,19 @@ function Scatter({ front, order, stands, axes: [gx, gy, shade], loaded, shown, o
         }}
       >
         <clipPath id="front-area">
-          <rect x={LEFT} y={TOP - 8} width={WIDTH - LEFT} height={HEIGHT - BOTTOM - TOP + 8} />
+          <rect x={LEFT} y={TOP - 8} width={width - LEFT} height={height - BOTTOM - TOP + 8} />
         </clipPath>
         {x.ticks.map((value) => (
           <g key={value} className="rule">
-            <line x1={x.at(value * x.unit)} x2={x.at(value * x.unit)} y1={TOP} y2={HEIGHT - BOTTOM} />
-            <text x={x.at(value * x.unit)} y={HEIGHT - BOTTOM + 13} textAnchor="middle">
+            <line x1={x.at(value * x.unit)} x2={x.at(value * x.unit)} y1={TOP} y2={height - BOTTOM} />
+            <text x={x.at(value * x.unit)} y={height - BOTTOM + 13} textAnchor="middle">
               {fixed(value, x.decimals)}
             </text>
           </g>
         ))}
         {y.ticks.map((value) => (
           <g key={value} className="rule">
-            <line x1={LEFT} x2={WIDTH - 8} y1={y.at(value * y.unit)} y2={y.at(value * y.unit)} />
+            <line x1={LEFT} x2={width - 8} y1={y.at(value * y.unit)} y2={y.at(value * y.unit)} />
             <text x={LEFT - 4} y={y.at(value * y.unit) + 4} textAnchor="end">
               {fixed(value, y.decimals)}
             </text>
@@ -225,7 +223,7 @@ function Scatter({ front, order, stands, axes: [gx, gy, shade], loaded, shown, o
               />
             );
           })}
-        <text className="name" x={WIDTH - 8} y={HEIGHT - 4} textAnchor="end">
+        <text className="name" x={width - 8} y={height - 4} textAnchor="end">
           {axis(gx, "\u2190", "\u2192")}
         </text>
         <text className="name" x={4} y={11}>

@@ -29,7 +29,7 @@ export function Inspector() {
     </button>
   );
   return (
-    <aside className="inspector" aria-label="Design">
+    <>
       <nav className="tree" aria-label="Parts of the design">
         {node(crane.name, { kind: "crane" }, "", `${crane.links.length} links`)}
         {crane.links.flatMap((link, index) => [
@@ -72,7 +72,7 @@ export function Inspector() {
       <div className="details" data-testid="details">
         <Details selection={selection} />
       </div>
-    </aside>
+    </>
   );
 }
 

@@ -2,74 +2,61 @@ import "./optimise.css";
 import { useEffect, useMemo, useState } from "react";
 import {
   bounded,
-  changes,
-  fitting,
   type Goal,
   LEAST_POPULATION,
   lacking,
   MOST,
   type Size,
-  type Specification,
   sized,
   sizes,
-  usual,
   type Variable,
 } from "../../core/design/optimise";
 import { type Crane, HARBOUR, modeLabel, modes } from "../../core/design/types";
-import { useBench, useDesigner } from "../context";
-import { download, keepSearch, recoveredSearch } from "../saving";
-import { beginSearch, changed, inWords, resumeSearch, type Search, search, stopSearch } from "../server";
-import { FrontView, keyOf } from "./Front";
+import { useBench, useDesigner, useSearch } from "../context";
+import { choose, FRONT_FILE } from "../files";
+import { inWords } from "../server";
+import { FrontView } from "./Front";
 import { NumberField } from "./NumberField";
-
-const EVERY = 500;
 
 /** The search for designs that none beats in every goal: what may change, what is wanted, and the front as it grows. */
 export function Optimise() {
-  const { designer } = useBench();
+  const { search } = useBench();
   const crane = useDesigner((state) => state.crane);
-  const [wanted, setWanted] = useSpecification(crane);
-  const { told, failure, attempt } = useSearch();
+  const { told, failure, asked, taken } = useSearch((state) => state);
+  const wanted = useMemo(() => search.wanted(crane, asked), [search, crane, asked]);
   const [open, setOpen] = useState(true);
-  const [loaded, setLoaded] = useState<{ crane: Crane; key: string } | null>(null);
   const running = told?.running ?? false;
   const front = told?.front ?? null;
   const missing = lacking(wanted);
-
-  const load = (index: number) =>
-    attempt(async () => {
-      if (!front) return null;
-      const next = await changed(front.crane, changes(front, index));
-      designer.apply("take a design of the front", next);
-      setLoaded({ crane: next, key: keyOf(front, index) });
-      return null;
-    });
+  useEffect(() => {
+    void search.look();
+  }, [search]);
   return (
     <section className="optimise" aria-label="Optimisation">
       <details open={open} onToggle={(event) => setOpen(event.currentTarget.open)}>
         <summary>
           {counted(wanted.variables.length, "size")}, {counted(wanted.goals.length, "goal")}
         </summary>
-        <Sizes crane={crane} chosen={wanted.variables} onChange={(variables) => setWanted({ ...wanted, variables })} />
-        <Goals crane={crane} goals={wanted.goals} onChange={(goals) => setWanted({ ...wanted, goals })} />
+        <Sizes crane={crane} chosen={wanted.variables} onChange={(variables) => search.ask({ ...wanted, variables })} />
+        <Goals crane={crane} goals={wanted.goals} onChange={(goals) => search.ask({ ...wanted, goals })} />
         <h2>Effort</h2>
         <Count
           label="Population"
           value={wanted.population}
           least={LEAST_POPULATION}
-          onChange={(population) => setWanted({ ...wanted, population })}
+          onChange={(population) => search.ask({ ...wanted, population })}
         />
         <Count
           label="Generations"
           value={wanted.generations}
           least={1}
-          onChange={(generations) => setWanted({ ...wanted, generations })}
+          onChange={(generations) => search.ask({ ...wanted, generations })}
         />
       </details>
       {missing && <p className="wrong">{missing}</p>}
       <p className="tools">
         {running ? (
-          <button type="button" data-testid="search-stop" onClick={() => attempt(stopSearch)}>
+          <button type="button" data-testid="search-stop" onClick={() => search.stop()}>
             Stop
           </button>
         ) : (
@@ -80,7 +67,7 @@ export function Optimise() {
             disabled={missing !== null}
             onClick={() => {
               setOpen(false);
-              void attempt(() => beginSearch(crane, wanted));
+              void search.begin();
             }}
           >
             Search
@@ -90,19 +77,32 @@ export function Optimise() {
           <button
             type="button"
             title="With the sizes, goals and candidates of the front below"
-            disabled={front.generation >= MOST}
-            onClick={() => attempt(() => resumeSearch(Math.min(MOST, front.generation + wanted.generations)))}
+            disabled={search.further() < 1}
+            onClick={() => search.goOn()}
           >
-            Go on for {Math.min(MOST - front.generation, wanted.generations)} more
+            Go on for {search.further()} more
           </button>
         )}
         {front && !running && (
           <button
             type="button"
             title="A file from which `seacrane design optimise --front` goes on too"
-            onClick={() => download(`${front.crane.name}-front.json`, JSON.stringify(front), "application/json")}
+            data-testid="front-save"
+            onClick={() => search.save()}
           >
             Save the front
+          </button>
+        )}
+        {!running && (
+          <button
+            type="button"
+            title={
+              "A front saved here or by `seacrane design optimise --front`; " +
+              "it takes the place of the one below, for the server has one at a time"
+            }
+            onClick={() => choose(FRONT_FILE)}
+          >
+            Open a front{"\u2026"}
           </button>
         )}
       </p>
@@ -130,8 +130,8 @@ export function Optimise() {
         <FrontView
           front={front}
           stands={told?.stands ?? null}
-          loaded={loaded?.crane === crane ? loaded.key : null}
-          onLoad={load}
+          loaded={taken?.crane === crane ? taken.key : null}
+          onLoad={(index) => search.take(index)}
         />
       )}
     </section>
@@ -140,64 +140,6 @@ export function Optimise() {
 
 function counted(n: number, what: string): string {
   return `${n} ${what}${n === 1 ? "" : "s"}`;
-}
-
-/** What is asked of a search, kept so that a reload does not lose it; of another crane, what one would ask first. */
-function useSpecification(crane: Crane) {
-  const { designer } = useBench();
-  const [asked, setAsked] = useState(() => ({ of: crane.name, wanted: recoveredSearch(crane) ?? usual(crane) }));
-  const wanted = useMemo(
-    () => (asked.of === crane.name ? fitting(asked.wanted, crane) : (recoveredSearch(crane) ?? usual(crane))),
-    [asked, crane],
-  );
-  const change = (next: Specification) => {
-    setAsked({ of: crane.name, wanted: next });
-    try {
-      keepSearch(next, crane);
-    } catch {
-      designer.tell("This browser keeps no more: a reload will forget what the search was asked.", "wrong");
-    }
-  };
-  return [wanted, change] as const;
-}
-
-/** The server's search, asked for again and again while it runs, and what was wrong with the last order. */
-function useSearch() {
-  const [told, setTold] = useState<Search | null>(null);
-  const [failure, setFailure] = useState<string | null>(null);
-  const [orders, setOrders] = useState(0);
-  // biome-ignore lint/correctness/useExhaustiveDependencies: each order begins to look anew
-  useEffect(() => {
-    let over = false;
-    let timer: ReturnType<typeof setTimeout> | undefined;
-    const look = async () => {
-      try {
-        const next = await search();
-        if (over) return;
-        setTold(next);
-        if (next.running) timer = setTimeout(look, EVERY);
-      } catch (error) {
-        if (!over) setFailure((error as Error).message);
-      }
-    };
-    void look();
-    return () => {
-      over = true;
-      clearTimeout(timer);
-    };
-  }, [orders]);
-  const attempt = async (order: () => Promise<Search | null>) => {
-    setFailure(null);
-    try {
-      const next = await order();
-      if (!next) return;
-      setTold(next);
-      setOrders((n) => n + 1);
-    } catch (error) {
-      setFailure((error as Error).message);
-    }
-  };
-  return { told, failure, attempt };
 }
 
 interface SizesProps {

@@ -1,12 +1,15 @@
-import { useMemo, useRef, useState } from "react";
+import { useMemo, useState } from "react";
 import { fresh } from "../../core/design/edit";
 import { PART_KINDS, type PartKind } from "../../core/design/fields";
 import { ofPart, weighed } from "../../core/design/mass";
+import { newPart } from "../../core/design/newPart";
 import { furnished } from "../../core/design/standard";
-import type { Crane, Part } from "../../core/design/types";
+import type { Part } from "../../core/design/types";
 import { fixed, TONNE } from "../../core/units";
 import { useBench, useDesigner } from "../context";
+import { choose, MESH_FILE } from "../files";
 import { meshPart } from "../server";
+import { FileInput } from "./Files";
 import { Form } from "./Form";
 
 const LENGTHS = ["mm", "cm", "m", "in", "ft"] as const;
@@ -19,14 +22,13 @@ export function Parts({ index, part, mass }: { index: number; part?: number; mas
   const parts = link.parts ?? [];
   const masses = useMemo(() => parts.map((item) => ofPart(item).mass), [parts]);
   const path = ["links", index, "parts"];
-  const file = useRef<HTMLInputElement>(null);
   const [unitless, setUnitless] = useState<File | null>(null);
   const [refused, setRefused] = useState<string | null>(null);
   const put = (part: Part) => {
     designer.edit(`add ${part.kind}`, path, [...parts, part]);
     designer.select({ kind: "link", index, part: parts.length });
   };
-  const add = (kind: PartKind) => (kind === "mesh" ? file.current?.click() : put(made(kind, crane, index)));
+  const add = (kind: PartKind) => (kind === "mesh" ? choose(MESH_FILE) : put(newPart(kind, crane, index)));
   const take = async (chosen: File, unit: string) => {
     setUnitless(null);
     setRefused(null);
@@ -112,19 +114,11 @@ export function Parts({ index, part, mass }: { index: number; part?: number; mas
           ))}
         </select>
       </label>
-      <input
-        ref={file}
-        type="file"
+      <FileInput
+        id={MESH_FILE}
+        test="mesh-file"
         accept=".stl,.glb,.gltf"
-        hidden
-        data-testid="mesh-file"
-        onChange={(event) => {
-          const chosen = event.currentTarget.files?.[0];
-          event.currentTarget.value = "";
-          if (!chosen) return;
-          if (/\.stl$/i.test(chosen.name)) setUnitless(chosen);
-          else void take(chosen, "m");
-        }}
+        onChoose={(chosen) => (/\.stl$/i.test(chosen.name) ? setUnitless(chosen) : void take(chosen, "m"))}
       />
       {unitless && (
         <p className="tools" aria-live="polite">
@@ -143,66 +137,4 @@ export function Parts({ index, part, mass }: { index: number; part?: number; mas
       )}
     </fieldset>
   );
-}
-
-/** A part of a kind to begin with, of the size of its link. */
-function made(kind: Exclude<PartKind, "mesh">, crane: Crane, index: number): Part {
-  const link = crane.links[index];
-  const next = crane.links[index + 1]?.joint.origin;
-  const tip = crane.hoist.sheaves[crane.hoist.sheaves.length - 1];
-  const [x, z] = next ? [next[0], next[2]] : [tip.x, tip.z];
-  const length = Math.max(1, Math.hypot(x, z));
-  const name = fresh(
-    kind,
-    (link.parts ?? []).map((part) => part.name),
-  );
-  const depth = 0.04 * length;
-  switch (kind) {
-    case "girder":
-      return {
-        kind,
-        name,
-        thickness: 0.015,
-        stations: [0, 0.4 * length, length].map((at) => ({ x: at, top: depth, bottom: -depth, width: 1.5 * depth })),
-      };
-    case "tube":
-      return {
-        kind,
-        name,
-        start: [0, 0, 0],
-        end: [x, 0, z],
-        diameter: 2 * depth,
-        end_diameter: 2 * depth,
-        thickness: 0.015,
-      };
-    case "lug":
-      return {
-        kind,
-        name,
-        x: 0.3 * x,
-        z: 0.3 * z - 2.5 * depth,
-        root_x: 0.3 * x,
-        root_z: 0.3 * z,
-        root_width: 3 * depth,
-        radius: 0.6 * depth,
-        hole: 0.5 * depth,
-        thickness: 0.03,
-        gap: depth,
-      };
-    case "sheave":
-      return { kind, name, x, z, radius: depth, groove: 0.2 * depth, width: 0.3 * depth, hole: 0.4 * depth };
-    case "drum":
-      return {
-        kind,
-        name,
-        x: 0.5 * x,
-        z: 0.5 * z + depth,
-        radius: depth,
-        length: 2.6 * depth,
-        flange: 1.5 * depth,
-        thickness: 0.03,
-      };
-    case "box":
-      return { kind, name, centre: [0.5 * x, 0, 0.5 * z], size: [2 * depth, 2 * depth, 2 * depth], thickness: 0.01 };
-  }
 }

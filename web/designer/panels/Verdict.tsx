@@ -1,21 +1,26 @@
-import { useEffect, useState } from "react";
-import type { Verdict as Value } from "../../core/design/curve";
+import { useEffect } from "react";
 import { fixed, TONNE } from "../../core/units";
-import { useBench, useDesigner } from "../context";
+import { useBench, useDesigner, useView } from "../context";
+import { simulate } from "../simulate";
 
-/** What the posture shown may lift, and what each limit alone would allow. */
-export function Verdict({ onSimulate }: { onSimulate: (load: number) => void }) {
-  const { curves: charts } = useBench();
+/** Keeps what the posture shown may lift up to date in the view. */
+export function useVerdict(): void {
+  const { view, curves: charts } = useBench();
   const crane = useDesigner((state) => state.crane);
   const posture = useDesigner((state) => state.posture);
   const mode = useDesigner((state) => state.mode);
-  const [value, setValue] = useState<Value | null>(null);
   useEffect(() => {
     charts
       .ask<"posture">({ kind: "posture", crane, mode, posture })
-      .then((found) => found && setValue(found))
-      .catch(() => setValue(null));
-  }, [charts, crane, posture, mode]);
+      .then((verdict) => verdict && view.set({ verdict }))
+      .catch(() => view.set({ verdict: null }));
+  }, [view, charts, crane, posture, mode]);
+}
+
+/** What the posture shown may lift, and what each limit alone would allow. */
+export function Verdict() {
+  const bench = useBench();
+  const value = useView((state) => state.verdict);
   if (!value) return null;
   const least = Math.max(value.load, 1);
   return (
@@ -48,7 +53,7 @@ export function Verdict({ onSimulate }: { onSimulate: (load: number) => void }) 
         className="wide"
         data-testid="simulate"
         disabled={!(value.load > 0)}
-        onClick={() => onSimulate(value.load)}
+        onClick={() => simulate(bench)}
       >
         Simulate from here with {fixed(value.load / TONNE, 1)} t
       </button>

@@ -5,7 +5,9 @@ import { dragged, type Handle, nudged, type Steps } from "../../core/design/edit
 import type { Point } from "../../core/design/plane";
 import { fixed, TONNE } from "../../core/units";
 import type { Found, Painted } from "../chart.worker";
-import { useBench, useDesigner } from "../context";
+import { useBench, useDesigner, useView } from "../context";
+import { follow } from "../pointer";
+import { CLOSER } from "../view";
 import { ColourBar } from "./ColourBar";
 import { Drawing } from "./Drawing";
 import { Grid } from "./Grid";
@@ -23,13 +25,15 @@ function steps(event: { altKey: boolean; shiftKey: boolean }): Steps {
 }
 
 export function Section() {
-  const { designer, sections } = useBench();
+  const { designer, view, sections } = useBench();
   const crane = useDesigner((state) => state.crane);
   const posture = useDesigner((state) => state.posture);
   const mode = useDesigner((state) => state.mode);
   const dragging = useDesigner((state) => state.dragging);
   const { ref: host, width, height } = useElementSize();
-  const [shift, setShift] = useState<Pick<Window, "x" | "z" | "scale"> | null>(null);
+  const look = useView((state) => state.look);
+  const fitted = useView((state) => state.fitted);
+  const fits = useView((state) => state.fits);
   const [painted, setPainted] = useState<Painted | null>(null);
   const [failure, setFailure] = useState<string | null>(null);
   const [pointed, setPointed] = useState<{ at: Point; found: Found } | null>(null);
@@ -37,29 +41,21 @@ export function Section() {
   const canvas = useRef<HTMLCanvasElement>(null);
   const coarse = useRef(1);
   const spare = useRef<ArrayBuffer>(undefined);
-  const opened = useRef<string | null>(null);
-  const framedFor = useRef("");
-  const looked = useRef(false);
+  const fittedTo = useRef("");
 
-  // All that the crane reaches, until someone looks closer: the drawing must not move while something is dragged.
+  // All that the crane reaches, fitted anew only for another crane or another size of the drawing: it must not move while
+  // something is dragged.
   useEffect(() => {
-    if (!width || !height || (looked.current && opened.current === crane.name)) return;
-    if (opened.current === crane.name && framedFor.current === `${width} ${height}`) return;
-    opened.current = crane.name;
-    framedFor.current = `${width} ${height}`;
-    looked.current = false;
-    setShift(framed(crane, width, height));
-  }, [crane, width, height]);
-  const look = useCallback((to: Window) => {
-    looked.current = true;
-    setShift(to);
-  }, []);
-  const showAll = () => {
-    looked.current = false;
-    setShift(framed(crane, width, height));
-  };
+    const to = `${crane.name} ${width} ${height} ${fits}`;
+    if (!width || !height || fittedTo.current === to) return;
+    fittedTo.current = to;
+    view.set({ fitted: framed(crane, width, height) });
+  }, [view, crane, width, height, fits]);
 
-  const window = useMemo<Window | null>(() => shift && { ...shift, width, height }, [shift, width, height]);
+  const window = useMemo<Window | null>(() => {
+    if (!fitted) return null;
+    return { ...(look ? { x: look.x, z: look.z, scale: fitted.scale * look.zoom } : fitted), width, height };
+  }, [look, fitted, width, height]);
 
   const request = useCallback(
     async (factor: number) => {
@@ -116,11 +112,11 @@ export function Section() {
     const wheel = (event: WheelEvent) => {
       event.preventDefault();
       const box = element.getBoundingClientRect();
-      look(zoomed(window, [event.clientX - box.left, event.clientY - box.top], Math.exp(-0.0015 * event.deltaY)));
+      view.look(zoomed(window, [event.clientX - box.left, event.clientY - box.top], Math.exp(-0.0015 * event.deltaY)));
     };
     element.addEventListener("wheel", wheel, { passive: false });
     return () => element.removeEventListener("wheel", wheel);
-  }, [window, look]);
+  }, [window, view]);
 
   const point = async (event: PointerEvent) => {
     const at = metres(event);
@@ -139,7 +135,7 @@ export function Section() {
         const [dx, dy] = [next.clientX - x0, next.clientY - y0];
         if (!moved && Math.hypot(dx, dy) < 4) return;
         moved = true;
-        look({ ...start, x: start.x - dx / start.scale, z: start.z + dy / start.scale });
+        view.look({ ...start, x: start.x - dx / start.scale, z: start.z + dy / start.scale });
       },
       done: () => {
         if (moved || event.button === 1) return;
@@ -212,7 +208,7 @@ export function Section() {
   const size = window && painted && painted.view.cell * window.scale;
 
   return (
-    <section className="section" aria-label="Section of the workspace" ref={host} data-testid="section">
+    <section id="workspace" className="section" aria-label="Section of the workspace" ref={host} data-testid="section">
       <canvas
         ref={canvas}
         data-testid="raster"
@@ -236,7 +232,7 @@ export function Section() {
             if (!dragging && event.buttons === 0) void point(event);
           }}
           onPointerLeave={() => setPointed(null)}
-          onDoubleClick={showAll}
+          onDoubleClick={() => view.all()}
         >
           <title>Side view of the crane with its load chart</title>
           <Grid window={window} waterline={-crane.pedestal[2]} />
@@ -295,21 +291,13 @@ export function Section() {
       )}
       <p className="stamp">Not a certified load chart</p>
       <div className="zoom">
-        <button
-          type="button"
-          aria-label="Closer"
-          onClick={() => window && look(zoomed(window, [width / 2, height / 2], 1.25))}
-        >
+        <button type="button" aria-label="Closer" onClick={() => view.closer(CLOSER)}>
           +
         </button>
-        <button
-          type="button"
-          aria-label="Further away"
-          onClick={() => window && look(zoomed(window, [width / 2, height / 2], 0.8))}
-        >
+        <button type="button" aria-label="Further away" onClick={() => view.closer(1 / CLOSER)}>
           {"\u2212"}
         </button>
-        <button type="button" data-testid="fit" onClick={showAll}>
+        <button type="button" data-testid="fit" onClick={() => view.all()}>
           Fit
         </button>
       </div>
@@ -346,33 +334,4 @@ function Tag({ at: [x, y], lines, width }: { at: Point; lines: readonly string[]
       ))}
     </g>
   );
-}
-
-/** Hears of a pointer until it is let go, or Escape takes the drag back. */
-function follow(
-  element: Element,
-  pointer: number,
-  { move, done }: { move: (event: globalThis.PointerEvent) => void; done: (cancelled: boolean) => void },
-): void {
-  element.setPointerCapture(pointer);
-  const moved = (event: Event) => move(event as globalThis.PointerEvent);
-  const stop = (cancelled: boolean) => {
-    element.removeEventListener("pointermove", moved);
-    element.removeEventListener("pointerup", up);
-    element.removeEventListener("pointercancel", cancel);
-    globalThis.removeEventListener("keydown", abandon, true);
-    done(cancelled);
-  };
-  const up = () => stop(false);
-  const cancel = () => stop(true);
-  const abandon = (event: globalThis.KeyboardEvent) => {
-    if (event.key !== "Escape") return;
-    event.stopPropagation();
-    if (element.hasPointerCapture(pointer)) element.releasePointerCapture(pointer);
-    stop(true);
-  };
-  element.addEventListener("pointermove", moved);
-  element.addEventListener("pointerup", up);
-  element.addEventListener("pointercancel", cancel);
-  globalThis.addEventListener("keydown", abandon, true);
 }

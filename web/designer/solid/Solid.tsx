@@ -8,7 +8,7 @@ import { ofPart } from "../../core/design/mass";
 import { furnished } from "../../core/design/standard";
 import type { Crane } from "../../core/design/types";
 import { fixed, TONNE } from "../../core/units";
-import { useBench, useDesigner } from "../context";
+import { useBench, useDesigner, useView } from "../context";
 import { bounds } from "../section/window";
 import { Machine } from "./Machine";
 import { revolved } from "./shapes";
@@ -19,16 +19,13 @@ const FIELD = 32;
 const FROM = new Vector3(0.5, -1, 0.42).normalize();
 
 export default function Solid() {
-  const { designer } = useBench();
+  const { designer, view } = useBench();
   const crane = useDesigner((state) => state.crane);
   const held = useDesigner((state) => state.posture);
-  const [explode, setExplode] = useState(0);
-  const [cut, setCut] = useState<number | null>(null);
-  const [measuring, setMeasuring] = useState(false);
+  const { explode, cut, measuring, moving, volume, centres } = useView((state) => state.tools);
   const [points, setPoints] = useState<readonly Vector3[]>([]);
-  const [moving, setMoving] = useState(false);
-  const [volume, setVolume] = useState(false);
-  const [centres, setCentres] = useState(false);
+  // biome-ignore lint/correctness/useExhaustiveDependencies: each measuring begins anew
+  useEffect(() => setPoints([]), [measuring]);
   const swung = useSwing(crane, moving);
   const built = useMemo(() => attempt(crane), [crane]);
   const size = useMemo(() => {
@@ -107,18 +104,14 @@ export default function Solid() {
         <p className="failure">No meshes can be made from these sizes.</p>
       )}
       <div className="solid-tools">
-        <Switch label="Section" on={cut !== null} onChange={(on) => setCut(on ? 0 : null)} />
-        <Switch
-          label="Measure"
-          on={measuring}
-          onChange={(on) => {
-            setMeasuring(on);
-            setPoints([]);
-          }}
-        />
-        <Switch label="Animate" on={moving} onChange={setMoving} />
-        <Switch label="Workspace" on={volume} onChange={setVolume} />
-        <Switch label="Centres" on={centres} onChange={setCentres} />
+        <Switch label="Section" on={cut !== null} onChange={(on) => view.tool({ cut: on ? 0 : null })} />
+        <Switch label="Measure" on={measuring} onChange={(on) => view.tool({ measuring: on })} />
+        <Switch label="Animate" on={moving} onChange={(on) => view.tool({ moving: on })} />
+        <Switch label="Workspace" on={volume} onChange={(on) => view.tool({ volume: on })} />
+        <Switch label="Centres" on={centres} onChange={(on) => view.tool({ centres: on })} />
+        <button type="button" onClick={() => view.all()}>
+          Fit
+        </button>
         <label>
           Explode
           <input
@@ -127,7 +120,7 @@ export default function Solid() {
             max={1}
             step={0.01}
             value={explode}
-            onChange={(event) => setExplode(Number(event.currentTarget.value))}
+            onChange={(event) => view.tool({ explode: Number(event.currentTarget.value) })}
           />
         </label>
         {cut !== null && (
@@ -139,7 +132,7 @@ export default function Solid() {
               max={1}
               step={0.01}
               value={cut}
-              onChange={(event) => setCut(Number(event.currentTarget.value))}
+              onChange={(event) => view.tool({ cut: Number(event.currentTarget.value) })}
             />
           </label>
         )}
@@ -159,22 +152,45 @@ function Switch({ label, on, onChange }: { label: string; on: boolean; onChange:
   );
 }
 
-/** Looks at the whole crane from its port side when it is opened, or the drawing changes its size. */
+/** What of the controls is used here; the library has no type for those of a scene. */
+interface Controls {
+  readonly target: Vector3;
+  update(): void;
+  addEventListener(event: "end", hear: () => void): void;
+  removeEventListener(event: "end", hear: () => void): void;
+}
+
+/** From where somebody looks; else at the whole crane from its port side, anew for another crane or another size. */
 function Framed({ crane, size }: { crane: Crane; size: number }) {
-  const camera = useThree((state) => state.camera);
-  const controls = useThree((state) => state.controls) as { target: Vector3; update: () => void } | null;
+  const eye = useThree((state) => state.camera);
+  const controls = useThree((state) => state.controls) as Controls | null;
+  const { view } = useBench();
+  const invalidate = useThree((state) => state.invalidate);
   const { width, height } = useThree((state) => state.size);
+  const camera = useView((state) => state.camera);
+  const fits = useView((state) => state.fits);
   const extent = useRef(size);
   extent.current = size;
   // biome-ignore lint/correctness/useExhaustiveDependencies: another crane is another picture, another length is not
   useEffect(() => {
     if (!controls) return;
-    const target = new Vector3(0.22 * extent.current, 0, 0.25 * extent.current);
-    const away = (0.5 * extent.current) / Math.tan((0.5 * FIELD * Math.PI) / 180) / Math.min(1, width / height);
-    camera.position.copy(FROM).multiplyScalar(away).add(target);
-    controls.target.copy(target);
+    if (camera) {
+      eye.position.fromArray(camera.eye);
+      controls.target.fromArray(camera.target);
+    } else {
+      const away = (0.5 * extent.current) / Math.tan((0.5 * FIELD * Math.PI) / 180) / Math.min(1, width / height);
+      controls.target.set(0.22 * extent.current, 0, 0.25 * extent.current);
+      eye.position.copy(FROM).multiplyScalar(away).add(controls.target);
+    }
     controls.update();
-  }, [camera, controls, width, height, crane.name]);
+    invalidate();
+  }, [eye, controls, width, height, crane.name, camera, fits]);
+  useEffect(() => {
+    if (!controls) return;
+    const end = () => view.set({ camera: { eye: eye.position.toArray(), target: controls.target.toArray() } });
+    controls.addEventListener("end", end);
+    return () => controls.removeEventListener("end", end);
+  }, [controls, eye, view]);
   return null;
 }
 

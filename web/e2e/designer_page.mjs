@@ -1,90 +1,12 @@
-// The designer's page about the crane, in a real browser: commands, panels, links, fields. SEACRANE_URL is the address that
-// `seacrane designer` prints. CHROMIUM names the browser (default /usr/bin/chromium), OUTPUT the folder of screenshots
-// (default e2e/output). It waits on the state of the page, never on drawn frames.
+// What is about the crane on the designer's page: commands, panels, links, fields. See bench.mjs.
 import assert from "node:assert/strict";
-import { mkdir, readFile } from "node:fs/promises";
-import { createRequire } from "node:module";
+import { readFile, writeFile } from "node:fs/promises";
 import { join } from "node:path";
-import { fileURLToPath } from "node:url";
-import { chromium } from "playwright-core";
-
-const url = process.env.SEACRANE_URL;
-if (!url) {
-  console.error("SEACRANE_URL must be the address that `seacrane designer` prints, with its token");
-  process.exit(2);
-}
-const output = process.env.OUTPUT ?? fileURLToPath(new URL("./output/", import.meta.url));
-await mkdir(output, { recursive: true });
-const PATIENCE = 60_000;
-const axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-
-const browser = await chromium.launch({
-  executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-  args: [
-    "--no-sandbox",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--disable-background-networking",
-    "--disable-sync",
-    "--no-first-run",
-  ],
-});
-
-const pause = (ms) => new Promise((done) => setTimeout(done, ms));
-
-/** Waits until `look` gives something true, and returns it. */
-async function until(what, look) {
-  const end = Date.now() + PATIENCE;
-  for (;;) {
-    const seen = await look();
-    if (seen) return seen;
-    assert.ok(Date.now() < end, `waited ${PATIENCE / 1000} s in vain for: ${what}`);
-    await pause(50);
-  }
-}
-
-const painted = (page) => page.waitForSelector("[data-testid=raster][data-painted]", { timeout: PATIENCE });
-
-async function open(options = {}) {
-  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...options });
-  context.setDefaultTimeout(PATIENCE);
-  const page = await context.newPage();
-  page.errors = [];
-  page.on("pageerror", (error) => page.errors.push(error.message));
-  await page.goto(url);
-  await painted(page);
-  return page;
-}
-
-async function close(page) {
-  assert.deepEqual(page.errors, []);
-  await page.context().close();
-}
-
-/** Nothing that keeps people from using the page, by axe, in a world of its own where the page's rules do not hold. */
-async function accessible(page, where) {
-  const session = await page.context().newCDPSession(page);
-  const { frameTree } = await session.send("Page.getFrameTree");
-  const world = { frameId: frameTree.frame.id, worldName: "axe" };
-  const { executionContextId } = await session.send("Page.createIsolatedWorld", world);
-  const run = (expression) =>
-    session.send("Runtime.evaluate", {
-      expression,
-      contextId: executionContextId,
-      awaitPromise: true,
-      returnByValue: true,
-    });
-  await run(axe);
-  const { result } = await run("axe.run().then((found) => found.violations)");
-  const serious = result.value
-    .filter(({ impact }) => impact === "serious" || impact === "critical")
-    .map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join("\n    ")}`);
-  assert.deepEqual(serious, [], `axe, ${where}`);
-}
+import { downloaded, output, painted, scenarios, until, violations } from "./bench.mjs";
 
 const width = async (page, panel) => Math.round((await page.locator(`#panel-${panel}`).boundingBox())?.width ?? 0);
 
-async function gives_every_command_by_a_few_letters_and_keys_alone() {
+async function gives_every_command_by_a_few_letters_and_keys_alone(open) {
   const page = await open();
   const palette = page.getByTestId("palette");
   const field = palette.getByRole("combobox", { name: "Find a command" });
@@ -96,7 +18,7 @@ async function gives_every_command_by_a_few_letters_and_keys_alone() {
     );
   await page.keyboard.press("Control+k");
   await focused();
-  await accessible(page, "palette");
+  assert.deepEqual(await violations(page), []);
   await page.screenshot({ path: join(output, "page-palette.png") });
   const all = await palette.getByRole("option").count();
   assert.ok(all > 50, `${all} commands`);
@@ -120,7 +42,7 @@ async function gives_every_command_by_a_few_letters_and_keys_alone() {
   // What cannot be done is said, and Enter leaves the palette open; the help leads to it too.
   await page.keyboard.press("?");
   await page.getByTestId("help-dialog").waitFor();
-  await accessible(page, "help");
+  assert.deepEqual(await violations(page), []);
   assert.match(await page.getByTestId("help-dialog").innerText(), /Save the design file \(JSON\)\s*Ctrl\s*S/);
   await page.getByTestId("open-palette").click();
   await focused();
@@ -130,10 +52,9 @@ async function gives_every_command_by_a_few_letters_and_keys_alone() {
   assert.equal(await palette.count(), 1);
   await page.keyboard.press("Escape");
   await until("the palette to close", async () => (await palette.count()) === 0);
-  await close(page);
 }
 
-async function moves_folds_and_swaps_panels_and_remembers_them() {
+async function moves_folds_and_swaps_panels_and_remembers_them(open) {
   const page = await open();
   const edge = page.getByTestId("edge-panel-design");
   const [usual, results] = [await width(page, "design"), await width(page, "results")];
@@ -166,7 +87,7 @@ async function moves_folds_and_swaps_panels_and_remembers_them() {
   await page.getByTestId("fold-design").click();
   await until("the design folded away", async () => !(await page.locator("#panel-design").isVisible()));
   await page.screenshot({ path: join(output, "page-panels.png") });
-  await accessible(page, "panels");
+  assert.deepEqual(await violations(page), []);
   await page.reload();
   await painted(page);
   assert.equal(await width(page, "results"), results + 80);
@@ -189,16 +110,52 @@ async function moves_folds_and_swaps_panels_and_remembers_them() {
     ];
     return Math.abs(section.width / stage.width - 0.8) < 0.01;
   });
-  await close(page);
 }
 
-const ALL = { gives_every_command_by_a_few_letters_and_keys_alone, moves_folds_and_swaps_panels_and_remembers_them };
-
-try {
-  for (const [claim, check] of Object.entries(ALL)) {
-    await check();
-    console.log(`ok: ${claim.replaceAll("_", " ")}`);
+async function saves_a_front_and_opens_it_again(open) {
+  const page = await open();
+  await page.getByTestId("show-optimise").click();
+  for (const [label, value] of [
+    ["Population", "6"],
+    ["Generations", "2"],
+  ]) {
+    await page.getByLabel(label, { exact: true }).fill(value);
+    await page.getByLabel(label, { exact: true }).press("Enter");
   }
-} finally {
-  await browser.close();
+  const ended = (n) => page.waitForSelector(`[data-testid=generation][data-value="${n}"][data-running=false]`);
+  await page.getByTestId("search-start").click();
+  await ended(2);
+  const before = await page.locator(".front-table").innerText();
+  const path = await downloaded(page, () => page.getByTestId("front-save").click());
+
+  await page.getByRole("button", { name: "Go on for 2 more" }).click();
+  await ended(4);
+  await page.getByTestId("front-file").setInputFiles(path);
+  await ended(2);
+  assert.equal(await page.locator(".front-table").innerText(), before);
+
+  const damaged = join(output, "damaged.json");
+  await writeFile(damaged, JSON.stringify({ ...JSON.parse(await readFile(path, "utf8")), values: [[1]], seed: "x" }));
+  await page.getByTestId("front-file").setInputFiles(damaged);
+  const failure = page.getByTestId("search-failure");
+  await failure.waitFor();
+  assert.match(
+    await failure.innerText(),
+    /damaged\.json is not opened[\s\S]*seed: must be a whole[\s\S]*values: must be/,
+  );
+  await ended(2);
+  assert.deepEqual(await violations(page), []);
+
+  // Another page finds the server's front through the palette.
+  const other = await open();
+  await other.keyboard.press("Control+k");
+  await other.keyboard.type("instead chart");
+  await other.keyboard.press("Enter");
+  await other.waitForSelector("[data-testid=generation][data-value='2']");
 }
+
+await scenarios({
+  gives_every_command_by_a_few_letters_and_keys_alone,
+  moves_folds_and_swaps_panels_and_remembers_them,
+  saves_a_front_and_opens_it_again,
+});

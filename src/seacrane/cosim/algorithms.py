@@ -58,7 +58,7 @@ class Schedule:
 
     @property
     def repeats(self) -> bool:
-        """Whether slaves are brought back to a saved state."""
+        """Whether all slaves must be able to go back to a saved state."""
         return self.iteration is not None or (
             self.control is not None and isinstance(self.control.control, StepDoubling)
         )
@@ -66,9 +66,8 @@ class Schedule:
     @property
     def signals(self) -> tuple[str, ...]:
         """What the algorithm tells of itself, as variables that can be read and recorded."""
-        adaptive = ("macro_step", "coupling_error") if self.control is not None else ()
-        repeated = ("rejected",) if self.control is not None and isinstance(self.control.control, StepDoubling) else ()
-        return (*adaptive, *repeated, *(("iterations",) if self.iteration is not None else ()))
+        adaptive = ("macro_step", "coupling_error", "rejected") if self.control is not None else ()
+        return (*adaptive, *(("iterations",) if self.iteration is not None else ()))
 
 
 class Algorithm(Protocol):
@@ -216,11 +215,12 @@ class Iterative:
 # ---------------------------------------------------------------- the step chosen
 @dataclass(frozen=True)
 class PowerResidual:
-    """The macro step by the residual power of the bonds, without any step being repeated.
+    """The macro step by the residual power of the bonds, without any step being repeated for its error.
 
     In one macro step, the coupling of no bond shall create or lose more energy than `tolerance` times that which the
     bond moves in `step` seconds at its greatest power so far, or at `power` [W] where that is given. The residual is
-    known after the step only: an error is answered by a shorter next step.
+    known after the step only: an error is answered by a shorter next step. A step that a slave discards, or whose
+    iteration does not converge, is repeated with a smaller size where all slaves can save and restore their state.
     """
 
     tolerance: float = 1e-3

@@ -660,8 +660,9 @@ class Execution:
         }
 
     def _check_repeatable(self) -> None:
-        """`CosimError` naming the slaves that cannot be brought back, where the algorithm repeats steps."""
-        if not self._plan.schedule.repeats:
+        """See whether steps can be repeated; `CosimError` naming the slaves that do not let them, where they must."""
+        schedule = self._plan.schedule
+        if not schedule.repeats and schedule.control is None:
             return
         problems = []
         for part in self._plan.parts:
@@ -673,8 +674,10 @@ class Execution:
                 why = "; ".join(p.message for p in error.problems)
                 what = type(self._algorithm).__name__
                 problems.append(Problem(part.name, f"cannot be saved and restored, which {what} needs: {why}"))
-        if problems:
+        if problems and schedule.repeats:
             raise CosimError(problems)
+        self._plan.repeats = not problems
+        self._loop.refresh()
 
     def _fail(self, fault: Fault) -> None:
         error, cause = explained(fault, self._plan)

@@ -74,7 +74,7 @@ class _Plan(ctypes.Structure):
         (_Int, "iteration aitken most tells coupled_count"),
         (_Real, "relaxation tolerance"),
         (_Address, "coupled coupled_slave nominal jacobian guess residual before scale base matrix column"),
-        (_Int, "control smallest_ns"),
+        (_Int, "control repeats smallest_ns"),
         (_Real, "control_tolerance safety power"),
         (_Address, "controller backup coarse"),
         (_Int, "threads"),
@@ -141,6 +141,7 @@ class NativeLoop(Loop):
         self._arrays = plan.changes, plan.triggers, plan.conditions
         native.changes, native.triggers, native.conditions = (array.ctypes.data for array in self._arrays)
         native.trigger_count, native.trigger_watches = plan.triggers.size, plan.trigger_watches
+        native.repeats = plan.repeats
 
     def run(self, steps: int) -> int:
         native, plan = self._native, self._plan

@@ -132,7 +132,8 @@ class Rows:
 class Plan:
     """The layout, the values themselves, and the count of macro steps `done` since `start_ns`.
 
-    `sweeps` counts how often all slaves have been stepped, repeated steps included: what the run has cost.
+    `sweeps` counts how often all slaves have been stepped, repeated steps included: what the run has cost. `repeats` is
+    whether all slaves can be brought back to where a step began.
     """
 
     def __init__(self, system: System, schedule: Schedule, instances: dict[str, Instance], start_ns: int) -> None:
@@ -142,6 +143,7 @@ class Plan:
         self.depth = schedule.degree + 1 if schedule.degree or schedule.iteration is not None else 0
         self.done = 0
         self.sweeps = 0
+        self.repeats = False
         self.rows: list[Rows] = []
         self.changes = np.zeros(0, CHANGE)
         self.triggers, self.conditions = np.zeros(0, TRIGGER), np.zeros(0, CONDITION)

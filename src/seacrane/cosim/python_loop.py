@@ -20,10 +20,14 @@ MACRO_STEP, ITERATIONS, REJECTED, COUPLING_ERROR = range(len(SIGNALS))
 
 PROPORTIONAL, INTEGRAL = 0.4, 0.7
 LEAST_CHANGE, MOST_CHANGE, LEAST_ERROR = 0.2, 2.0, 1e-4
+MUCH = 25.0
 """Of the step size control; `master.c` says what they are."""
 
 DISCARD = 2
 """FMI 2 status code."""
+
+Kept = tuple[Vector, list[Any]]
+"""Values, and a state of each slave."""
 
 
 class PythonLoop(Loop):
@@ -209,54 +213,80 @@ class PythonLoop(Loop):
         if not rejected:
             kept[LAST_ERROR] = error
 
+    def _keep(self) -> Kept:
+        """What a step can be done again from."""
+        return self._plan.values.copy(), self.save_all()
+
+    def _go_back(self, kept: Kept) -> None:
+        self._plan.values[:] = kept[0]
+        self.restore_all(kept[1])
+
+    def _may_be_mended(self, fault: Fault, size: int) -> bool:
+        control = self._plan.schedule.control
+        assert control is not None
+        discarded = fault.stage == "step" and fault.status == DISCARD
+        return (fault.stage == "converge" or discarded) and size > control.smallest_ns
+
+    def _reject(self, kept: Kept, size: int, error: float) -> int:
+        """Back to where the step began; the smaller size to do it with [ns]."""
+        plan = self._plan
+        self._go_back(kept)
+        plan.signals[REJECTED] += 1
+        self._choose(size, error, True)
+        kept[0][:] = plan.values
+        return int(plan.controller[NEXT_STEP])
+
     def _doubled_step(self, begin: int, size: int) -> int:
         """The step that was taken [ns]."""
-        plan, control, values = self._plan, self._plan.schedule.control, self._plan.values
+        plan, control = self._plan, self._plan.schedule.control
         assert control is not None
-        states, backup = self.save_all(), values.copy()
+        kept = self._keep()
         while True:
-            half, error, fault = size // 2, 1 / (LEAST_CHANGE * LEAST_CHANGE), None
+            half, error = size // 2, MUCH
             try:
                 self._macro_step(begin, size)
-                coarse = values[: plan.nominal.size].copy()
-                values[:] = backup
-                self.restore_all(states)
+                coarse = plan.values[: plan.nominal.size].copy()
+                self._go_back(kept)
                 self._macro_step(begin, half)
                 self._macro_step(begin + half, size - half)
             except Failed as failed:
-                fault = failed.fault
-                again = fault.stage == "converge" or (fault.stage == "step" and fault.status == DISCARD)
-                if not again or size <= control.smallest_ns:
+                if not self._may_be_mended(failed.fault, size):
                     raise
-            if fault is None:
+            else:
                 error = self._doubling_error(coarse)
                 if error <= 1 or size <= control.smallest_ns:
                     plan.signals[COUPLING_ERROR] = error * control.control.tolerance
                     self._choose(size, error, False)
                     return size
-            rejected = backup[plan.index["rejected"]] + 1
-            values[:] = backup
-            plan.signals[REJECTED] = rejected
-            self.restore_all(states)
-            self._choose(size, error, True)
-            size = int(plan.controller[NEXT_STEP])
-            backup = values.copy()
+            size = self._reject(kept, size, error)
+
+    def _followed_step(self, begin: int, size: int) -> int:
+        """The step that was taken [ns]."""
+        plan, control = self._plan, self._plan.schedule.control
+        assert control is not None
+        kept = self._keep() if plan.repeats else None
+        while True:
+            try:
+                self._macro_step(begin, size)
+            except Failed as failed:
+                if kept is None or not self._may_be_mended(failed.fault, size):
+                    raise
+                size = self._reject(kept, size, MUCH)
+            else:
+                error = self._power_error(size / 1e9)
+                plan.signals[COUPLING_ERROR] = error * control.control.tolerance
+                self._choose(size, error, False)
+                return size
 
     def _controlled_step(self, begin: int) -> None:
         plan, control = self._plan, self._plan.schedule.control
         assert control is not None
+        step = self._doubled_step if isinstance(control.control, StepDoubling) else self._followed_step
         done, whole = 0, plan.schedule.step_ns
         while done < whole:
             rest, wanted = whole - done, int(plan.controller[NEXT_STEP])
             size = rest if wanted >= rest else rest - rest // 2 if 2 * wanted > rest else wanted
-            if isinstance(control.control, StepDoubling):
-                size = self._doubled_step(begin + done, size)
-            else:
-                self._macro_step(begin + done, size)
-                error = self._power_error(size / 1e9)
-                plan.signals[COUPLING_ERROR] = error * control.control.tolerance
-                self._choose(size, error, False)
-            done += size
+            done += step(begin + done, size)
 
     # ------------------------------------------------------------ recorders and triggers
     def _look(self) -> int:

@@ -17,7 +17,9 @@ enum { NEXT_STEP, LAST_ERROR, GREATEST_POWER }; /* layout of plan.controller */
 #define INTEGRAL 0.7
 #define LEAST_CHANGE 0.2
 #define MOST_CHANGE 2.0
-#define FATAL 4 /* FMI 2 status after which a slave must not be called any more */
+#define MUCH 25.0 /* the error of a step that has failed: it is done again with the least share of its size */
+#define DISCARD 2 /* FMI 2 status of a step that a slave could not do in this size */
+#define FATAL 4   /* FMI 2 status after which a slave must not be called any more */
 
 #define LEAST_ERROR 1e-4 /* below it, errors say no more about the step */
 
@@ -154,19 +156,43 @@ static void choose(plan_t *p, int64_t size, double error, int rejected) {
     if (!rejected) c[LAST_ERROR] = error;
 }
 
+/* What a step can be done again from. */
+static int keep(plan_t *p) {
+    memcpy(p->backup, p->values, (size_t)p->value_count * sizeof(double));
+    return save_all(p, MACRO_START);
+}
+
+static int go_back(plan_t *p) {
+    memcpy(p->values, p->backup, (size_t)p->value_count * sizeof(double));
+    return restore_all(p, MACRO_START);
+}
+
+/* Whether a smaller step may mend what has failed: a slave has discarded the step, or an iteration does not converge. */
+static int may_be_mended(const plan_t *p, int64_t size) {
+    const int discarded = p->fault_stage == STEP && p->fault_status == DISCARD;
+    return (p->fault_stage == CONVERGE || discarded) && size > p->smallest_ns;
+}
+
+/* Back to where the step began, for one of a smaller size. */
+static int reject(plan_t *p, int64_t *size, double error) {
+    if (go_back(p) != DONE) return FAULT;
+    p->signals[REJECTED] += 1;
+    choose(p, *size, error, 1);
+    *size = (int64_t)p->controller[NEXT_STEP];
+    memcpy(p->backup, p->values, (size_t)p->value_count * sizeof(double));
+    return DONE;
+}
+
 /* Two steps of half the size, compared with a whole one; done again with a smaller size until the error is tolerable. */
 static int doubled_step(plan_t *p, int64_t from, int64_t *size) {
-    const size_t bytes = (size_t)p->value_count * sizeof(double);
-    if (save_all(p, MACRO_START) != DONE) return FAULT;
-    memcpy(p->backup, p->values, bytes);
+    if (keep(p) != DONE) return FAULT;
     for (;;) {
         const int64_t half = *size / 2;
-        double error = 1 / (LEAST_CHANGE * LEAST_CHANGE);
+        double error = MUCH;
         int result = macro_step(p, from, *size);
         if (result == DONE) {
             memcpy(p->coarse, p->values, (size_t)p->output_count * sizeof(double));
-            memcpy(p->values, p->backup, bytes);
-            if (restore_all(p, MACRO_START) != DONE) return FAULT;
+            if (go_back(p) != DONE) return FAULT;
             result = macro_step(p, from, half);
             if (result == DONE) result = macro_step(p, from + half, *size - half);
         }
@@ -177,17 +203,22 @@ static int doubled_step(plan_t *p, int64_t from, int64_t *size) {
                 choose(p, *size, error, 0);
                 return DONE;
             }
-        } else if (!(p->fault_stage == CONVERGE || (p->fault_stage == STEP && p->fault_status == 2)) ||
-                   *size <= p->smallest_ns)
-            return FAULT;
-        const double rejected = p->backup[p->signals + REJECTED - p->values] += 1;
-        memcpy(p->values, p->backup, bytes);
-        p->signals[REJECTED] = rejected;
-        if (restore_all(p, MACRO_START) != DONE) return FAULT;
-        choose(p, *size, error, 1);
-        *size = (int64_t)p->controller[NEXT_STEP];
-        p->backup[p->controller + NEXT_STEP - p->values] = p->controller[NEXT_STEP];
+        } else if (!may_be_mended(p, *size)) return FAULT;
+        if (reject(p, size, error) != DONE) return FAULT;
     }
+}
+
+/* One step; done again with a smaller size where it fails, if all slaves can be brought back. */
+static int followed_step(plan_t *p, int64_t from, int64_t *size) {
+    if (p->repeats && keep(p) != DONE) return FAULT;
+    while (macro_step(p, from, *size) != DONE) {
+        if (!p->repeats || !may_be_mended(p, *size)) return FAULT;
+        if (reject(p, size, MUCH) != DONE) return FAULT;
+    }
+    const double error = power_error(p, (double)*size / 1e9);
+    p->signals[COUPLING_ERROR] = error * p->control_tolerance;
+    choose(p, *size, error, 0);
+    return DONE;
 }
 
 /* A whole step of the grid in steps that the errors allow; the last of them ends on the grid exactly. */
@@ -195,14 +226,9 @@ static int controlled_step(plan_t *p, int64_t from) {
     for (int64_t done = 0; done < p->step_ns;) {
         const int64_t rest = p->step_ns - done, wanted = (int64_t)p->controller[NEXT_STEP];
         int64_t size = wanted >= rest ? rest : 2 * wanted > rest ? rest - rest / 2 : wanted;
-        if (p->control == STEP_DOUBLING) {
-            if (doubled_step(p, from + done, &size) != DONE) return FAULT;
-        } else {
-            if (macro_step(p, from + done, size) != DONE) return FAULT;
-            const double error = power_error(p, (double)size / 1e9);
-            p->signals[COUPLING_ERROR] = error * p->control_tolerance;
-            choose(p, size, error, 0);
-        }
+        const int result = p->control == STEP_DOUBLING ? doubled_step(p, from + done, &size)
+                                                       : followed_step(p, from + done, &size);
+        if (result != DONE) return result;
         done += size;
     }
     return DONE;

@@ -140,7 +140,7 @@ typedef struct plan {
     double *jacobian;      /* of the coupled outputs to themselves over a macro step, before it whence and for which step */
     double *guess, *residual, *before, *scale, *base, *matrix, *column; /* scratch */
     /* step size control: 0 none, 1 power at the bonds, 2 step doubling */
-    int64_t control, smallest_ns;
+    int64_t control, repeats, smallest_ns; /* repeats: all slaves can be brought back */
     double control_tolerance, safety, power;
     double *controller; /* next step [ns], error of the last one, then the greatest power of each bond [W] */
     double *backup, *coarse; /* scratch: values, outputs */

@@ -5,9 +5,20 @@ import zipfile
 from pathlib import Path
 
 import fmpy
+import numpy as np
 import pytest
 
-from seacrane.cosim import Adaptive, Execution, FmuSlave, FunctionSlave, GaussSeidel, StepDoubling, System
+from seacrane.cosim import (
+    Adaptive,
+    Execution,
+    FmuSlave,
+    FunctionSlave,
+    GaussSeidel,
+    Jacobi,
+    PowerResidual,
+    StepDoubling,
+    System,
+)
 from seacrane.errors import CosimError
 from seacrane.model.dae import Variable
 from seacrane.native import compiler
@@ -17,9 +28,22 @@ VARIABLES = ["y", "status", "when", "value", "work", "longest"]
 LOOPS = pytest.mark.parametrize("loop", ["c", "python"])
 
 
+CONTROLS = pytest.mark.parametrize("control", [StepDoubling(), PowerResidual(10.0)], ids=["doubling", "residual"])
+
+
 @pytest.fixture(scope="module")
 def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("faulty")
+    return make_fmu(tmp_path_factory.mktemp("faulty"), saves=True)
+
+
+@pytest.fixture(scope="module")
+def forgetful(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same, but that its state cannot be saved."""
+    return make_fmu(tmp_path_factory.mktemp("forgetful"), saves=False)
+
+
+def make_fmu(folder: Path, saves: bool) -> Path:
+    saved = 'canGetAndSetFMUstate="true" canSerializeFMUstate="true"' if saves else ""
     scalars = "".join(
         f'<ScalarVariable name="{name}" valueReference="{i}" '
         + ('causality="output"><Real/>' if name == "y" else 'causality="parameter" variability="tunable">')
@@ -31,7 +55,7 @@ def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
         '<?xml version="1.0" encoding="UTF-8"?>'
         '<fmiModelDescription fmiVersion="2.0" modelName="faulty" guid="{1}" numberOfEventIndicators="0">'
         '<CoSimulation modelIdentifier="faulty" canHandleVariableCommunicationStepSize="true" '
-        'canGetAndSetFMUstate="true" canSerializeFMUstate="true"/>'
+        f"{saved}/>"
         f"<ModelVariables>{scalars}</ModelVariables>"
         '<ModelStructure><Outputs><Unknown index="1"/></Outputs>'
         '<InitialUnknowns><Unknown index="1"/></InitialUnknowns></ModelStructure></fmiModelDescription>'
@@ -96,25 +120,72 @@ def test_an_fmu_that_takes_too_long_is_named(fmu, loop, caplog):
     assert caplog.messages[0].startswith("pump: has been at work for 0.1")
 
 
+def with_bond(fmu: Path, **parameters: float) -> System:
+    """With a coupling beside the FMU whose residual power steps can follow."""
+    given = system(fmu, **parameters)
+    force, velocity = Variable("force", "N"), Variable("velocity", "m/s")
+    given.add("drive", FunctionSlave(lambda t, h, u: [np.sin(9.0 * (t + h))], [velocity], [force]))
+    given.add("load", FunctionSlave(lambda t, h, u: [1.0], [force], [velocity]))
+    given.bond("rod", effort=("drive.force", "load.force"), flow=("load.velocity", "drive.velocity"))
+    return given
+
+
+@CONTROLS
 @LOOPS
-def test_a_step_that_an_fmu_discards_is_done_again_with_a_smaller_size_where_it_may(fmu, loop):
-    doubling = Adaptive(GaussSeidel(0.125), StepDoubling(), smallest=1e-3)
-    with Execution(system(fmu, longest=0.02), doubling, loop=loop) as run:
-        run.advance(1.0)
-        assert run.values(["pump.y"])[0] == pytest.approx(1.0, abs=1e-12)
-        assert run.values(["rejected"])[0] > 0
+def test_a_step_that_an_fmu_discards_is_done_again_with_a_smaller_size_where_it_may(fmu, loop, control):
+    adaptive = Adaptive(GaussSeidel(0.125), control, smallest=1e-3)
+    with Execution(with_bond(fmu, longest=0.02), adaptive, loop=loop) as run:
+        run.record(["pump.y", "rejected", "macro_step"])
+        recording = run.run(1.0)
+    assert recording["pump.y"] == pytest.approx(recording.time, abs=1e-12)
+    assert recording["rejected"][-1] > 0
+    assert recording["macro_step"].max() <= 0.04  # whole steps of step doubling are given up if halves are kept
     with (
-        Execution(system(fmu, longest=0.02), GaussSeidel(0.125), loop=loop) as run,
+        Execution(with_bond(fmu, longest=0.02), GaussSeidel(0.125), loop=loop) as run,
         pytest.raises(CosimError, match=r"pump: failed with status 'discard' when stepping .*: the step is too long"),
     ):
         run.advance(1.0)
 
 
+@CONTROLS
+def test_repeated_steps_give_the_same_bits_in_both_loops(fmu, control):
+    tables = []
+    for loop in ("c", "python"):
+        algorithm = Adaptive(Jacobi(0.125, extrapolation="linear"), control, smallest=1e-3)
+        with Execution(with_bond(fmu, longest=0.02), algorithm, loop=loop) as run:
+            run.record([*run.variables.keys() & {"pump.y", "drive.force"}, "rejected", "macro_step", "coupling_error"])
+            recording = run.run(1.0)
+        assert recording["rejected"][-1] > 0
+        tables.append(np.column_stack([recording[name] for name in sorted(recording)]))
+    assert np.array_equal(*tables)
+
+
 @LOOPS
-def test_a_step_that_is_discarded_at_any_size_ends_the_run(fmu, loop):
-    doubling = Adaptive(GaussSeidel(0.125), StepDoubling(), smallest=1e-3)
-    with Execution(system(fmu, status=2, when=0.7), doubling, loop=loop) as run:
+def test_a_discarded_step_ends_the_run_where_a_slave_cannot_be_brought_back(fmu, forgetful, loop):
+    given = with_bond(fmu, longest=0.02, when=0.7)
+    given.add("other", FmuSlave(forgetful))
+    with Execution(given, Adaptive(GaussSeidel(0.125), PowerResidual(10.0), smallest=1e-3), loop=loop) as run:
+        recorder = run.record(["pump.y"])
+        with pytest.raises(
+            CosimError, match=r"pump: failed with status 'discard' when stepping in the step from t = 0 "
+        ):
+            run.advance(1.0)
+        assert recorder.recording().time.tolist() == [0.0]
+    with (
+        Execution(given, Adaptive(GaussSeidel(0.125), StepDoubling()), loop=loop) as run,
+        pytest.raises(CosimError, match="other: cannot be saved and restored, which Adaptive needs"),
+    ):
+        run.start()
+
+
+@CONTROLS
+@LOOPS
+def test_a_step_that_is_discarded_at_any_size_ends_the_run(fmu, loop, control):
+    adaptive = Adaptive(GaussSeidel(0.125), control, smallest=1e-3)
+    with Execution(with_bond(fmu, status=2, when=0.7), adaptive, loop=loop) as run:
         recorder = run.record()
-        with pytest.raises(CosimError, match="pump: failed with status 'discard' when stepping"):
+        with pytest.raises(
+            CosimError, match=r"pump: failed with status 'discard' when stepping in the step from t = 0.625"
+        ):
             run.advance(1.0)
         assert recorder.recording().time.tolist() == [0.125 * i for i in range(6)]

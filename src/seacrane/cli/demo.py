@@ -10,9 +10,14 @@ from .arguments import Commands, output
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    demo = commands.add_parser("demo", help="drive the 100 t knuckle boom crane in the browser, or headless")
+    demo = commands.add_parser("demo", help="drive a crane at sea in the browser, or headless")
     demo.add_argument("--crane", default="offshore-100t", help="name of a shipped crane, or a design file (JSON)")
-    demo.add_argument("--load", type=float, default=40.0, metavar="T", help="load on the hook [t] (default 40)")
+    demo.add_argument(
+        "--load",
+        type=float,
+        metavar="T",
+        help="load on the hook [t] (40, or what the crane bears with a fifth in hand)",
+    )
     demo.add_argument(
         "--sea",
         choices=("swell", "jonswap", "calm"),
@@ -41,7 +46,7 @@ def _demo(options: argparse.Namespace) -> int:
 
     settings = demo.Settings(
         crane=options.crane,
-        load=options.load * 1e3,
+        load=None if options.load is None else options.load * 1e3,
         sea=options.sea,
         hs=options.hs,
         tp=options.tp,

@@ -91,14 +91,27 @@ def cylinder_range(crane: Crane, cylinder: Cylinder) -> tuple[float, float]:
     included, and an inner extreme is off by no more than the curvature of the length over half a sample (below 0.1 mm
     for a real crane).
     """
+    lengths = _lengths_over_travel(crane, cylinder)
+    return float(lengths.min()), float(lengths.max())
+
+
+def extends_upward(crane: Crane, cylinder: Cylinder) -> bool | None:
+    """Whether the joint of a cylinder goes up as the cylinder comes out; none if it passes a dead point on the way."""
+    steps = np.diff(_lengths_over_travel(crane, cylinder))
+    if np.all(steps > 0):
+        return True
+    return False if np.all(steps < 0) else None
+
+
+def _lengths_over_travel(crane: Crane, cylinder: Cylinder) -> Array:
+    """Lengths between the pins [m], evenly over the limits of the joint that the cylinder moves."""
     place, joint = next((i, joint) for i, joint in enumerate(crane.joints) if joint.name == cylinder.moves)
     if joint.limits is None:
         raise ValueError(f"joint {joint.name!r} has no limits")
     origins, carried = _origins_at_zero(crane), {link.name for link in crane.links[place:]}
     base, eye = (origins[pin.link] + (pin.x, 0.0, pin.z) for pin in (cylinder.base, cylinder.eye))
     if (cylinder.base.link in carried) == (cylinder.eye.link in carried):
-        length = float(np.linalg.norm(eye - base))
-        return length, length
+        return np.full(_SAMPLES, np.linalg.norm(eye - base))
     moved, still = (base, eye) if cylinder.base.link in carried else (eye, base)
     q = np.linspace(*joint.limits, _SAMPLES)[:, None]
     axis = np.array(joint.axis, float) / math.hypot(*joint.axis)
@@ -108,8 +121,8 @@ def cylinder_range(crane: Crane, cylinder: Cylinder) -> tuple[float, float]:
         arm = moved - origins[crane.links[place].name]
         along = axis * (axis @ arm)
         apart = (moved - still - arm + along) + np.cos(q) * (arm - along) + np.sin(q) * _cross(axis, arm)
-    lengths = np.sqrt((apart * apart).sum(axis=1))
-    return float(lengths.min()), float(lengths.max())
+    lengths: Array = np.sqrt((apart * apart).sum(axis=1))
+    return lengths
 
 
 def _origins_at_zero(crane: Crane) -> dict[str, Array]:

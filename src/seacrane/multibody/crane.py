@@ -9,7 +9,8 @@ angular acceleration and acceleration,
 
     m (d2r/dt2 + a + dw/dt x r + w x (w x r) + 2 w x dr/dt) = m g - T dl/dr - d v
 
-where T is the rope's tension, l(q, r) the length of its path, and d v a linear drag on the velocity v over still air.
+where T is the rope's tension, l(q, r) the length of its path with all falls, and d v a linear drag on the velocity v
+over still air.
 
 Energy is accounted in the inertial frame: kinetic + potential + rope + dissipated + carried - work stays constant on an
 exact solution, with the work of every actuator and of the ship as states. The `energy.closure` output is that sum.
@@ -115,7 +116,8 @@ def _motion(crane: Crane, s: Mapping[str, Any]) -> _Motion:
     poses = frames(crane.links, q)
     path = [attachment_point(point, poses) for point in (crane.hoist.drum, *crane.hoist.sheaves)]
     tip = path[-1]
-    rope_length = path_length(path, r)
+    falls = crane.hoist.falls
+    rope_length = path_length(path, r, falls)
     rope_by_q, rope_by_r = ca.jacobian(rope_length, q), ca.jacobian(rope_length, r)
     mass, unstretched, ea = s["load.mass"], s["rope.unstretched"], s["rope.EA"]
     winding = s["drum.radius"] * s["drum.rate"]
@@ -125,7 +127,7 @@ def _motion(crane: Crane, s: Mapping[str, Any]) -> _Motion:
         winding=winding,
         unstretched=unstretched,
         stiffness=ea,
-        damping=2 * s["rope.damping_ratio"] * ca.sqrt(ea / unstretched * mass),
+        damping=2 * s["rope.damping_ratio"] * ca.sqrt(ea / unstretched * mass) / falls,
     )
 
     cylinder_length = lengths(crane.cylinders, poses)

@@ -58,7 +58,7 @@ def static_equilibrium(
     hook = ca.SX.sym("hook", 3)
     poses = frames(crane.links, q)
     path = [attachment_point(a, poses) for a in (crane.hoist.drum, *crane.hoist.sheaves)]
-    length = path_length(path, hook)
+    length = path_length(path, hook, crane.hoist.falls)
     rest = inverse_dynamics(crane.links, q, ca.DM(len(joints), 1), ca.DM(len(joints), 1), BaseMotion.at_rest(gravity))[
         0
     ]
@@ -69,7 +69,7 @@ def static_equilibrium(
     tip = _array(evaluate(posture, [0, 0, 0])[0])
     load = tip + hanging * g / np.linalg.norm(g)
     _, path_l, rope_arms, own, lever = (_array(value) for value in evaluate(posture, load))
-    tension = load_mass * float(np.linalg.norm(g))
+    tension = load_mass * float(np.linalg.norm(g)) / crane.hoist.falls
     effort = own + tension * rope_arms.ravel()
 
     moved = [joints.index(cylinder.moves) for cylinder in crane.cylinders]

@@ -18,6 +18,7 @@ percent of length for the cranes here.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -27,9 +28,10 @@ import casadi as ca
 from seacrane.multibody.cylinder import distance
 
 
-def path_length(points: Sequence[Any], hook: Any) -> Any:
-    """Length [m] from the first point (the drum) over the others to the hook."""
-    return sum((distance(a, b) for a, b in zip(points, (*points[1:], hook), strict=True)), 0)
+def path_length(points: Sequence[Any], hook: Any, falls: int = 1) -> Any:
+    """Length [m] from the first point (the drum) over the others to the hook, to which it goes in so many falls."""
+    led = sum((distance(a, b) for a, b in itertools.pairwise(points)), 0)
+    return led + falls * distance(points[-1], hook)
 
 
 @dataclass(frozen=True)

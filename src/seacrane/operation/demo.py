@@ -1,4 +1,4 @@
-"""The demo: the 100 t knuckle boom crane on its ship at sea, driven in the browser or by a recorded joystick."""
+"""The demo: a crane on its ship at sea, driven in the browser or by a recorded joystick."""
 
 from __future__ import annotations
 
@@ -6,21 +6,21 @@ import json
 import math
 import time
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from seacrane import design, ocean, plant
-from seacrane.control.joystick import AXES
+from seacrane.control import HOIST, axis_names
 from seacrane.cosim import Execution, FmuSlave, GaussSeidel, RealTime, System
 from seacrane.errors import ParameterError, Problem
 from seacrane.units import UNITS, Length, Mass, Time, deg
 from seacrane.vessel import Fixed, Harmonic
 
 from .energy import EnergyMeter
-from .sticks import Sticks
+from .sticks import Sticks, played
 
 FACTORY = "seacrane.operation.demo:Demo"
 """Where another process finds the simulation of the demo."""
@@ -40,15 +40,16 @@ TICK = 0.02
 
 @dataclass(frozen=True)
 class Settings:
-    """What the demo shows. load [kg]; hs [m] and tp [s] of the sea; step: macro step [s]; posture by joint [rad]."""
+    """What the demo shows. hs [m] and tp [s] of the sea; step: macro step [s]. Load [kg] and posture [rad or m] are as
+    `plant.Start.usual` has them unless given."""
 
     crane: str = "offshore-100t"
-    load: Mass = 40e3
+    load: Mass | None = None
     sea: str = "swell"
     hs: Length = 2.0
     tp: Time = 9.0
     step: Time = 0.002
-    posture: Mapping[str, float] = field(default_factory=lambda: dict(plant.POSTURE))
+    posture: Mapping[str, float] | None = None
 
     def __post_init__(self) -> None:
         bounds = {
@@ -60,7 +61,7 @@ class Settings:
         problems = [
             Problem(name, f"{value:g} {unit} is out of range", None, f"{low:g} to {high:g} {unit}")
             for name, (low, high, unit) in bounds.items()
-            if not low <= (value := getattr(self, name)) <= high
+            if (value := getattr(self, name)) is not None and not low <= value <= high
         ]
         if self.sea not in SEAS:
             problems.append(Problem("sea", "is not a sea of the demo", self.sea, ", ".join(SEAS)))
@@ -94,14 +95,15 @@ class Demo:
         self.settings = Settings(**settings)
         self.crane = design.load(self.settings.crane)
         self.waves, ship = _sea(self.settings)
-        self.system: System = plant.build(
-            self.crane, vessel=ship, start=plant.Start(self.settings.posture, load=self.settings.load)
-        )
+        plant.check(self.crane)
+        self.start = plant.Start.usual(self.crane, self.settings.posture, self.settings.load)
+        self.axes = (*axis_names(self.crane), HOIST)
+        self.system: System = plant.build(self.crane, vessel=ship, start=self.start)
         self.execution = Execution(self.system, GaussSeidel(step=self.settings.step))
 
     def command(self, axes: Mapping[str, float], deadman: bool) -> None:
         """Put the sticks where `axes` says, each in [-1, 1]."""
-        for name in AXES:
+        for name in self.axes:
             self.execution.set(f"joystick.axis.{name}", axes.get(name, 0.0))
         self.execution.set("joystick.deadman", 1.0 if deadman else 0.0)
 
@@ -110,7 +112,7 @@ class Demo:
         waves = self.waves
         return {
             "crane": json.loads(design.to_json(self.crane)),
-            "load": {"mass": self.settings.load, "size": list(LOAD_SIZE)},
+            "load": {"mass": self.start.load, "size": list(LOAD_SIZE)},
             "ship": {**SHIP, "pedestal": list(self.crane.pedestal)},
             "sea": {
                 "about": waves.about,
@@ -131,7 +133,7 @@ class Demo:
                 for name, v in self.execution.variables.items()
                 if self.system.causality(name) != "parameter"
             ],
-            "axes": list(AXES),
+            "axes": list(self.axes),
         }
 
 
@@ -156,7 +158,8 @@ def run_headless(
         pacing = RealTime(run) if realtime else None
         begun = time.perf_counter()
         for tick in range(math.ceil(seconds / TICK - 1e-9)):
-            demo.command(*sticks.at(tick * TICK))
+            recorded, deadman = sticks.at(tick * TICK)
+            demo.command({axis: recorded[column] for axis, column in played(demo.axes).items()}, deadman)
             until = min((tick + 1) * TICK, seconds)
             (pacing or run).advance(until)
         wall = time.perf_counter() - begun
@@ -170,12 +173,13 @@ def run_headless(
 
 def _report(demo: Demo, run: Execution, meter: EnergyMeter, wall: float) -> dict[str, Any]:
     account = meter.read()
-    joints = [link.joint.name for link in demo.crane.links]
+    kinds = {joint.name: joint.kind for joint in demo.crane.joints}
+    positions = dict(zip(kinds, run.values([f"crane.{name}" for name in kinds]).tolist(), strict=True))
     pressures = {}
-    for cylinder in demo.crane.cylinders:
-        drive = cylinder.name.replace("cylinder", "drive")
-        a, b = run.values([f"{drive}.cylinder.pressure_a", f"{drive}.cylinder.pressure_b"]) / 1e5
-        pressures[cylinder.name] = {"piston": float(a), "rod": float(b)}
+    for drive in demo.system.slaves:
+        if f"{drive}.cylinder.pressure_a" in run.variables:
+            a, b = run.values([f"{drive}.cylinder.pressure_a", f"{drive}.cylinder.pressure_b"]) / 1e5
+            pressures[drive.replace("drive", "cylinder")] = {"piston": float(a), "rod": float(b)}
     return {
         "simulated_s": run.time,
         "wall_s": wall,
@@ -187,16 +191,16 @@ def _report(demo: Demo, run: Execution, meter: EnergyMeter, wall: float) -> dict
         "energy_moved_J": account.moved,
         "peak_power_residual_W": max(bond.peak_residual for bond in run.bonds.values()),
         "bonds": {name: asdict(bond) for name, bond in run.bonds.items()},
-        "joint_angles_deg": {
-            n: float(v) / deg for n, v in zip(joints, run.values([f"crane.{n}" for n in joints]), strict=True)
-        },
+        "joint_angles_deg": {n: v / deg for n, v in positions.items() if kinds[n] == "revolute"},
+        "joint_slides_m": {n: v for n, v in positions.items() if kinds[n] == "prismatic"},
         "cylinder_pressures_bar": pressures,
     }
 
 
 def summary(report: Mapping[str, Any]) -> str:
     """The report in a few lines."""
-    angles = ", ".join(f"{name} {value:.1f} deg" for name, value in report["joint_angles_deg"].items())
+    joints = [f"{name} {value:.1f} deg" for name, value in report["joint_angles_deg"].items()]
+    joints += [f"{name} {value:.2f} m" for name, value in report["joint_slides_m"].items()]
     pressures = ", ".join(
         f"{name} {p['piston']:.0f}/{p['rod']:.0f} bar" for name, p in report["cylinder_pressures_bar"].items()
     )
@@ -205,7 +209,7 @@ def summary(report: Mapping[str, Any]) -> str:
         f" at a macro step of {report['macro_step_s'] * 1e3:g} ms",
         f"energy balance closes within {report['energy_balance_error']:.2%} of {report['energy_moved_J'] / 1e6:.2f} MJ"
         f" moved; largest power residual at a bond {report['peak_power_residual_W'] / 1e3:.1f} kW",
-        f"joints: {angles}",
+        f"joints: {', '.join(joints)}",
         f"cylinders (piston/rod): {pressures}",
     ]
     if "overruns" in report:

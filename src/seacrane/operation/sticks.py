@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 
 import numpy as np
 
-from seacrane.control.joystick import AXES
 from seacrane.errors import ParameterError, Problem, nearest
 from seacrane.results import Recording
 
-COLUMNS = (*AXES, "deadman")
+RECORDED = ("slew", "boom", "jib", "hoist")
+"""The axes of a recording, which are those of a knuckle boom crane."""
+
+COLUMNS = (*RECORDED, "deadman")
 
 
 @dataclass(frozen=True)
@@ -53,5 +57,11 @@ class Sticks:
     def at(self, time: float) -> tuple[dict[str, float], bool]:
         """The axes and whether the dead man's switch is held, `time` [s] after the beginning."""
         t = time % self.length
-        axes = {name: float(np.interp(t, self.recording.time, self.recording[name])) for name in AXES}
+        axes = {name: float(np.interp(t, self.recording.time, self.recording[name])) for name in RECORDED}
         return axes, bool(np.interp(t, self.recording.time, self.recording["deadman"]) >= 0.5)
+
+
+def played(axes: Sequence[str]) -> dict[str, str]:
+    """For each axis of a crane that of a recording which drives it: of the same name, or else boom and jib in turn."""
+    others = itertools.cycle([name for name in ("boom", "jib") if name not in axes] or ["boom", "jib"])
+    return {name: name if name in RECORDED else next(others) for name in axes}

@@ -5,7 +5,20 @@ with cosim.Execution(system, cosim.GaussSeidel(step=0.002)) as run:
     recording = run.run(until=20.0)
 """
 
-from .assembly import POSTURE, Start, build, parts
-from .drives import Hydraulics, Motors, cylinder_drive, slew_drive, winch_drive
+from .assembly import build, check, parts
+from .drives import Hydraulics, Motors, cylinder_drive, slew_drive, telescope_drive, winch_drive
+from .start import POSTURE, Start
 
-__all__ = ["POSTURE", "Hydraulics", "Motors", "Start", "build", "cylinder_drive", "parts", "slew_drive", "winch_drive"]
+__all__ = [
+    "POSTURE",
+    "Hydraulics",
+    "Motors",
+    "Start",
+    "build",
+    "check",
+    "cylinder_drive",
+    "parts",
+    "slew_drive",
+    "telescope_drive",
+    "winch_drive",
+]

@@ -1,4 +1,4 @@
-"""The hydraulic drives of a crane, as diagrams: one for each cylinder set, the slewing gear and the winch.
+"""The hydraulic drives of a crane, as diagrams: one for each cylinder set, telescope, the slewing gear and the winch.
 
 A drive is given a spool command and the motion of what it moves, and gives the force or torque on it. All are fed at
 one supply pressure and return to one tank. Sizes follow from the design (areas, speeds) and from `Hydraulics`, whose
@@ -14,22 +14,27 @@ values are assumptions of the usual magnitude.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from math import pi
+from dataclasses import dataclass, field, replace
+from math import pi, sqrt
+from typing import Self
 
-from seacrane.design import Crane, Cylinder, Slew
+from seacrane.design import Crane, Cylinder, Link, Slew
 from seacrane.library import hydraulics as hyd
 from seacrane.library import mechanics as mech
 from seacrane.library import signals as sig
 from seacrane.model import Diagram, Part, PortHandle
 from seacrane.multibody import Equilibrium
 from seacrane.units import (
+    GRAVITY,
+    Diameter,
     Displacement,
     FlowRate,
     Inertia,
+    Length,
     Pressure,
     Ratio,
     Speed,
+    Time,
     Volume,
     bar,
     cm3_rev,
@@ -57,12 +62,17 @@ class Motors:
         """Inertia of all rotors at the driven shaft [kg.m2]."""
         return self.count * self.inertia * self.reduction**2
 
+    def sized(self, ratio: Ratio) -> Motors:
+        """Larger or smaller ones on the same gear."""
+        return replace(self, displacement=ratio * self.displacement, inertia=ratio * self.inertia)
+
 
 @dataclass(frozen=True)
 class Hydraulics:
     """Sizes of the hydraulic drives that a design file does not hold. Assumptions, chosen for the 100 t class.
 
-    supply: pressure of the ring line. rod_speed: of the cylinders at about half the supply pressure in the valve.
+    supply: pressure of the ring line. rod_speed: of the cylinders at about half the supply pressure in the valve, and
+    travel_time: the least from end to end, which makes short cylinders slower.
     slew, winch: motors. holding: counterbalance setting over the supply pressure. pilot_ratio: of the counterbalance
     valves. relief: port relief over the supply pressure. line, hose: oil between valve, counterbalance valve and
     actuator. float_centre: opening from the service lines to tank in the spool's centre. lowering: full travel of a
@@ -72,6 +82,7 @@ class Hydraulics:
 
     supply: Pressure = 280 * bar
     rod_speed: Speed = 0.1
+    travel_time: Time = 25.0
     slew: Motors = field(default_factory=lambda: Motors(4, 125 * cm3_rev, 1000.0, 0.05))
     winch: Motors = field(default_factory=lambda: Motors(4, 500 * cm3_rev, 100.0, 0.4))
     holding: Ratio = 1.15
@@ -83,6 +94,24 @@ class Hydraulics:
     lowering: Ratio = 0.6
     fidelity: str = "extended"
 
+    @classmethod
+    def of(cls, crane: Crane) -> Self:
+        """The same, for a crane of any size: supply at the highest working pressure of its cylinders, the displacement
+        and the rotors of its motors in proportion to the load moment that is slewed, and to the pull at the drum."""
+        usual = cls()
+        supply = max((c.pressure for c in crane.cylinders), default=usual.supply)
+        moment = max(rated.mass * rated.radius for rated in crane.capacity)
+        pull = crane.hoist.line_pull or 1.1 * GRAVITY * max(rated.mass for rated in crane.capacity) / crane.hoist.falls
+        slew = moment / _SLEWED * usual.supply / supply
+        winch = pull * crane.hoist.drum_radius / _WOUND * usual.supply / supply
+        return cls(supply=supply, slew=usual.slew.sized(slew), winch=usual.winch.sized(winch))
+
+
+_SLEWED = 1500e3
+"""Load moment [kg.m] for which the slewing motors of `Hydraulics` are chosen: 100 t at 15 m."""
+
+_WOUND = 864e3
+"""Torque [N.m] at the drum for which its winch motors are chosen: 1080 kN at 0.8 m."""
 
 RATED_DROP = 35 * bar
 """Pressure drop per edge at which the flow of a proportional valve is stated (ISO 10770-1)."""
@@ -98,39 +127,39 @@ SPOOL_FREQUENCY = 60.0
 """Natural frequency of the spools [rad/s]: a size 32 pilot-operated proportional valve, about 10 Hz."""
 
 
+@dataclass(frozen=True)
+class Rods:
+    """Equal cylinders side by side that no design file names."""
+
+    bore: Diameter
+    rod: Diameter
+    stroke: Length
+    pressure: Pressure
+    count: int = 1
+
+
 def cylinder_drive(crane: Crane, cylinder: Cylinder, start: Equilibrium, extension: float, h: Hydraulics) -> Diagram:
     """A cylinder set with its valves: inputs `spool`, `rod_velocity`, `rod_position`; output `rod_force`.
 
     It starts at `extension` [m] with the pressure that holds the crane in `start`, the other side at tank pressure.
     Both sides can hold a load: a jib folded far in hangs in its rod side.
     """
-    force = start.cylinder_forces[cylinder.name]
-    piston = cylinder.count * pi / 4 * cylinder.bore**2
-    annulus = piston - cylinder.count * pi / 4 * cylinder.rod**2
-    p_a, p_b = max(force, 0.0) / piston, max(-force, 0.0) / annulus
-    flow = piston * h.rod_speed
-    drive = Diagram(cylinder.name.replace("cylinder", "drive"), bulk_modulus=crane.bulk_modulus)
-    actuator = drive.add(
-        "cylinder",
-        hyd.DoubleActingCylinder(
-            level=h.fidelity,
-            bore=cylinder.bore,
-            rod=cylinder.rod,
-            stroke=cylinder.stroke,
-            count=cylinder.count,
-            extension=extension,
-            **_losses(cylinder, p_a, p_b) if h.fidelity == "extended" else {},
-        ),
-    )
-    line_a, line_b = _valve(drive, flow, h, float_centre=h.float_centre, lowering=h.lowering)
-    hose_a = _held(drive, "a", line_a, line_b, flow, p_a, h)
-    hose_b = _held(drive, "b", line_b, line_a, flow * annulus / piston, p_b, h)
-    drive.connect(hose_a, actuator.a)
-    drive.connect(hose_b, actuator.b)
-    partner = drive.add("partner", mech.MotionInput(position=extension, correction=20.0))
-    drive.connect(partner.flange, actuator.rod)
-    drive.expose(rod_velocity=partner.v, rod_position=partner.x, rod_force=partner.F, rod_work=partner.work)
-    return drive
+    name = cylinder.name.removesuffix("_cylinder")
+    return _linear_drive(name, cylinder, start.cylinder_forces[cylinder.name], extension, crane.bulk_modulus, h)
+
+
+def telescope_drive(crane: Crane, link: Link, start: Equilibrium, extension: float, h: Hydraulics) -> Diagram:
+    """The drive of a link that slides without a cylinder in the design: the same ports as a cylinder drive.
+
+    One cylinder as long as the travel stands for the stages of a telescope, whatever pulls them. It carries at the
+    supply pressure a third more than twice the heaviest rated load (once on the hook, once as the pull of the rope) and
+    the link itself, straight up.
+    """
+    low, high = link.joint.limits or (0.0, 0.0)
+    heaviest = GRAVITY * (2 * max(rated.mass for rated in crane.capacity) + link.mass)
+    bore = sqrt(4 / pi * 4 / 3 * heaviest / h.supply)
+    rods = Rods(bore=bore, rod=0.7 * bore, stroke=high - low, pressure=h.supply)
+    return _linear_drive(link.joint.name, rods, start.drives[link.joint.name], extension, crane.bulk_modulus, h)
 
 
 def slew_drive(slew: Slew, bulk_modulus: Pressure, h: Hydraulics) -> Diagram:
@@ -171,7 +200,39 @@ def winch_drive(crane: Crane, start: Equilibrium, h: Hydraulics) -> Diagram:
 
 
 # ---------------------------------------------------------------- what they share
-def _losses(cylinder: Cylinder, p_a: float, p_b: float) -> dict[str, float]:
+def _linear_drive(
+    name: str, rods: Cylinder | Rods, force: float, extension: float, bulk_modulus: Pressure, h: Hydraulics
+) -> Diagram:
+    """Cylinders with their valves that start at `extension` [m] with the pressure that gives `force` [N]."""
+    piston = rods.count * pi / 4 * rods.bore**2
+    annulus = piston - rods.count * pi / 4 * rods.rod**2
+    p_a, p_b = max(force, 0.0) / piston, max(-force, 0.0) / annulus
+    flow = piston * min(h.rod_speed, rods.stroke / h.travel_time)
+    drive = Diagram(f"{name}_drive", bulk_modulus=bulk_modulus)
+    actuator = drive.add(
+        "cylinder",
+        hyd.DoubleActingCylinder(
+            level=h.fidelity,
+            bore=rods.bore,
+            rod=rods.rod,
+            stroke=rods.stroke,
+            count=rods.count,
+            extension=extension,
+            **_losses(rods, p_a, p_b) if h.fidelity == "extended" else {},
+        ),
+    )
+    line_a, line_b = _valve(drive, flow, h, float_centre=h.float_centre, lowering=h.lowering)
+    hose_a = _held(drive, "a", line_a, line_b, flow, p_a, h)
+    hose_b = _held(drive, "b", line_b, line_a, flow * annulus / piston, p_b, h)
+    drive.connect(hose_a, actuator.a)
+    drive.connect(hose_b, actuator.b)
+    partner = drive.add("partner", mech.MotionInput(position=extension, correction=20.0))
+    drive.connect(partner.flange, actuator.rod)
+    drive.expose(rod_velocity=partner.v, rod_position=partner.x, rod_force=partner.F, rod_work=partner.work)
+    return drive
+
+
+def _losses(cylinder: Cylinder | Rods, p_a: float, p_b: float) -> dict[str, float]:
     """Losses of an extended cylinder: seals that grip with 1 % of the working force, ports that pass its flow."""
     push = pi / 4 * cylinder.bore**2 * cylinder.pressure
     return {

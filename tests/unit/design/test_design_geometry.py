@@ -55,6 +55,14 @@ def test_the_travel_stays_inside_the_stroke(crane):
     assert geometry.retracted_length(crane, given) == 5.37
 
 
+def test_a_cylinder_behind_its_joint_lowers_as_it_comes_out(crane):
+    frame = design.load("a-frame-30t")
+    assert [geometry.extends_upward(frame, cylinder) for cylinder in frame.cylinders] == [False, True]
+    assert all(geometry.extends_upward(crane, cylinder) for cylinder in crane.cylinders)
+    over = msgspec.structs.replace(crane.cylinders[0], eye=design.Attachment(link="boom", x=0.3, z=-2.0))
+    assert geometry.extends_upward(crane, over) is None
+
+
 def test_a_sliding_joint_moves_its_link_along_the_axis(crane):
     jib = crane.links[2]
     slide = msgspec.structs.replace(jib.joint, kind="prismatic", axis=(2.0, 0.0, 0.0), limits=(0.0, 3.0))

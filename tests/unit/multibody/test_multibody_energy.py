@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import casadi as ca
+import msgspec
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -127,6 +128,15 @@ def test_energy_is_accounted_for_when_a_slack_rope_catches_the_load(dae: Dae) ->
     assert ledger["energy.rope"][0] == 0
     assert ledger["energy.rope"].max() > 5e4
     assert ledger.unaccounted < 1e-7 * ledger["energy.rope"].max()
+
+
+def test_falls_share_the_load_and_keep_the_account() -> None:
+    t = ca.SX.sym("t")
+    crane = msgspec.structs.replace(CRANE, hoist=msgspec.structs.replace(CRANE.hoist, falls=3))
+    ledger = manoeuvre(fixed_foot(t), t, crane_mechanics(crane, 40e3, POSTURE), 4.0, **DRAG_AND_FRICTION)
+    assert ledger["rope.tension"][0] == pytest.approx(40e3 * 9.81 / 3, rel=1e-9)
+    assert ledger.moved > 1e5
+    assert ledger.unaccounted < 1e-9 * ledger.moved
 
 
 def test_strained_rope_carries_energy_off_the_drum_when_lowered(dae: Dae) -> None:

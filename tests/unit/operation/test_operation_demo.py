@@ -46,6 +46,19 @@ def test_a_paced_run_takes_the_time_it_simulates():
     assert report["late_ms_p99"] >= 0
 
 
+def test_a_crane_of_another_type_has_its_own_axes_and_is_driven_by_the_recording_too():
+    simulation = demo.Demo(crane="a-frame-30t", sea="calm")
+    with simulation.execution:
+        assert simulation.describe()["axes"] == ["frame", "leg", "hoist"]
+        assert simulation.describe()["load"]["mass"] == pytest.approx(simulation.start.load)
+    report = demo.run_headless(demo.Settings(crane="a-frame-30t", sea="calm"), 20.0)
+    assert set(report["joint_angles_deg"]) == {"luff"}
+    assert set(report["joint_slides_m"]) == {"telescope"}
+    assert set(report["cylinder_pressures_bar"]) == {"frame_cylinder", "leg_cylinder"}
+    assert abs(report["joint_slides_m"]["telescope"] - simulation.start.posture["telescope"]) > 0.01
+    assert " m\n" in demo.summary(report)
+
+
 def test_it_describes_itself_for_a_page():
     simulation = demo.Demo(sea="jonswap", hs=2.0)
     with simulation.execution as run:

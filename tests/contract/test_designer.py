@@ -127,9 +127,11 @@ def test_strangers_get_nothing(tmp_path: Path) -> None:
 def test_a_crane_that_cannot_be_operated_or_a_posture_it_cannot_take_is_refused_in_words(tmp_path: Path) -> None:
     async def scenario() -> None:
         offshore, frame = (json.loads(design.to_json(design.load(n))) for n in ("offshore-100t", "a-frame-30t"))
+        loose = frame | {"cylinders": [c for c in frame["cylinders"] if c["moves"] != "luff"]}
         async with desk(tmp_path) as client:
             for asked, words in (
-                ({"design": frame}, "only a knuckle boom crane"),
+                ({"design": loose}, "joint luff"),
+                ({"design": loose}, "turns and nothing moves it"),
                 ({"design": offshore, "posture": {"luff": 2.0, "jib": -1.0}}, "114.6 deg is beyond its limits"),
                 ({"design": offshore, "posture": {"luf": 0.5}}, "is not a joint of the crane"),
                 ({"design": offshore, "posture": {"luff": "up"}}, "must be numbers"),

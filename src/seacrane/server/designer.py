@@ -7,7 +7,8 @@
     POST api/design/export      a design -> ZIP (see `design.archive`)
     POST api/design/import      a ZIP -> the design in it
     POST api/design/mesh?name=  a mesh of another program (STL, glTF; &unit= of an STL) -> the part that it is
-    POST api/design/simulate    a design, a posture [rad], a load [kg] -> the address of its operation page
+    POST api/design/simulate    a design, and if wanted a posture [rad or m by joint] and a load [kg] -> the address of its
+                                operation page
     POST api/design/change      a design, changes {path: m} -> the design with these sizes (see `design.changes`)
     POST api/design/optimise    a design, variables, goals, generations, population -> the search begins
     GET  api/design/optimise    {running, generations, front, stands, problems}: the front so far (see `studies`), and
@@ -174,8 +175,9 @@ class Desk:
     async def _simulate(self, request: Request) -> Response:
         asked = _object(await _body(request, LARGEST_DESIGN))
         crane = design.loads(json.dumps(asked.get("design")))
-        posture, load = asked.get("posture", {}), asked.get("load", 40e3)
-        if not isinstance(posture, dict) or not all(_number(q) for q in posture.values()) or not _number(load):
+        given = {name: asked[name] for name in ("posture", "load") if asked.get(name) is not None}
+        posture = given.get("posture", {})
+        if not isinstance(posture, dict) or not all(_number(q) for q in (*posture.values(), given.get("load", 0))):
             raise DesignError.at("posture, load", "must be numbers: rad (or m) by joint, and kg")
         async with self._starting:
             path = Path(self._folder.name) / f"{secrets.token_hex(8)}.json"
@@ -183,9 +185,8 @@ class Desk:
             if self._simulation is not None:
                 await self._simulation.stop()
                 self._simulation = None
-            arguments = {"crane": str(path), "posture": posture, "load": load}
             simulation = Server(
-                Factory(self._factory, arguments),
+                Factory(self._factory, {"crane": str(path), **given}),
                 host=self._listener.host,
                 port=0,
                 tcp_port=None,

@@ -7,7 +7,7 @@
     POST api/design/export      a design -> ZIP (see `design.archive`)
     POST api/design/import      a ZIP -> the design in it
     POST api/design/mesh?name=  a mesh of another program (STL, glTF; &unit= of an STL) -> the part that it is
-    POST api/design/simulate    a design, if wanted a posture [rad or m] and a load [kg] -> the address of its operation page
+    POST api/design/simulate    a design, perhaps posture [rad or m] and load [kg] -> the address of its operation page
     POST api/design/change      a design, changes {path: m} -> the design with these sizes (see `design.changes`)
     POST api/design/optimise    a design, variables, goals, generations, population -> the search begins
     GET  api/design/optimise    {running, generations, front, stands, problems}: the front so far (see `studies`), and

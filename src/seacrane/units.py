@@ -205,6 +205,18 @@ def parse(text: str, si_symbol: str, path: str = "") -> float:
     return convert(float(number), symbol or "1", si_symbol, path)
 
 
+def value_of(text: str, symbol: str, path: str = "") -> float:
+    """What a text that a user has typed means for a variable in the unit `symbol`, in that unit.
+
+    A bare number is in the variable's own unit, that in which it is declared, recorded and shown in lists; any other
+    unit of its kind may be given: 2.1e7 and "210 bar" are the same for a pressure in Pa. `UnitError` as from `parse`.
+    """
+    try:
+        return float(text)
+    except ValueError:
+        return parse(text, symbol, path)
+
+
 def _same_dimension(wanted: Unit) -> str:
     return ", ".join(u.symbol for u in UNITS.values() if u.same_dimension(wanted))
 

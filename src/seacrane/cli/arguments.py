@@ -33,6 +33,17 @@ def picture(text: str) -> Path:
     return path
 
 
+def settings(parser: argparse.ArgumentParser, what: str) -> None:
+    """`--set NAME=VALUE`, which means the same in every command that has it."""
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help=f"{what}, as pump.pressure='210 bar'; a bare number is in the variable's own unit (SI in our own models)",
+    )
+
+
 def verdict(file: str | os.PathLike[str], problems: Sequence[Problem]) -> int:
     """Print what a check has found in a file; the exit code of the command: 0 if nothing, else 1."""
     for problem in problems:

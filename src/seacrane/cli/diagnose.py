@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from seacrane.errors import ParameterError
 
-from .arguments import Commands, output, picture
+from .arguments import Commands, output, picture, settings
 from .run import settings_of, tell_surprises
 
 if TYPE_CHECKING:
@@ -34,13 +34,7 @@ def add(commands: Commands) -> None:
         "--algorithms", type=lambda text: text.split(","), metavar="NAME,...", help="algorithms to try (default: six)"
     )
     diagnose.add_argument("--tolerance", type=float, default=0.01, metavar="X", help="error asked for (default 0.01)")
-    diagnose.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="NAME=VALUE",
-        help="parameter or input that nothing drives, as pump.pressure='210 bar'; a bare number is in its own unit",
-    )
+    settings(diagnose, "parameter or input that nothing drives")
     diagnose.add_argument("--scenario", type=Path, metavar="FILE", help="events that make the system move (JSON)")
     diagnose.add_argument(
         "--patience", type=float, default=60.0, metavar="S", help="longest run, by the clock [s] (60)"
@@ -54,11 +48,11 @@ def _run(options: argparse.Namespace) -> int:
     from seacrane import cosim
 
     system = cosim.load(options.file)
-    settings = settings_of(system, options.set)
-    tell_surprises(system, settings, "start")
+    given = settings_of(system, options.set)
+    tell_surprises(system, given, "start")
 
     def prepare(run: Execution) -> None:
-        for variable, value in settings.items():
+        for variable, value in given.items():
             run.set(variable, value)
         if options.scenario:
             run.follow(cosim.scenario.load(options.scenario, run.variables))

@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .arguments import Commands, output, picture, save_figure, verdict
+from .arguments import Commands, output, picture, save_figure, settings, verdict
 
 if TYPE_CHECKING:
     from seacrane.fmi import ModelDescription
@@ -77,13 +77,7 @@ def _settings(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--until", type=float, required=True, metavar="S", help="end of the run [s]")
     parser.add_argument("--step", type=float, default=0.01, metavar="S", help="communication step [s] (default 0.01)")
     parser.add_argument("--input", type=Path, metavar="CSV", help="inputs over time: `time [s],name [unit],...`")
-    parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="NAME=VALUE",
-        help="start value, as pump.pressure='210 bar'; a bare number is in the FMU's unit",
-    )
+    settings(parser, "start value")
     parser.add_argument("--kind", choices=("co-simulation", "model-exchange"), help="which kind of an FMU of both")
     parser.add_argument("--tolerance", type=float, metavar="T", help="relative tolerance of the solver")
 
@@ -230,14 +224,14 @@ def _recording(options: argparse.Namespace, path: Path, outputs: list[str] | Non
     )
 
 
-def _values(description: ModelDescription, settings: list[str]) -> Mapping[str, Any]:
+def _values(description: ModelDescription, texts: list[str]) -> Mapping[str, Any]:
     from seacrane import fmi
     from seacrane.errors import FmuError, ParameterError, Problem, UnitError, nearest
 
     values: dict[str, Any] = {}
     problems: list[Problem] = []
     units = fmi.known_units(description)
-    for text in settings:
+    for text in texts:
         name, equals, value = text.partition("=")
         element = fmi.element_of(name.strip(), description.by_name)
         variable = replace(element[0], dimensions=()) if element else description.by_name.get(name.strip())

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from seacrane.errors import CosimError, ParameterError, Problem, SeacraneError, UnitError, nearest
-from seacrane.units import parse
+from seacrane.units import value_of
 
-from .arguments import Commands, output, picture, save_figure
+from .arguments import Commands, output, picture, save_figure, settings
 
 if TYPE_CHECKING:
     from seacrane.cosim import Algorithm, Execution, Experiment, Pace, System
@@ -31,13 +31,7 @@ def add(commands: Commands) -> None:
     run.add_argument(
         "--algorithm", metavar="NAME", help="co-simulation algorithm (default: that of the file, or gauss-seidel)"
     )
-    run.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="NAME=VALUE",
-        help="parameter or input that nothing drives, as pump.pressure='210 bar'; a bare number is in its own unit",
-    )
+    settings(run, "parameter or input that nothing drives")
     run.add_argument(
         "--signals",
         type=lambda text: text.split(","),
@@ -74,11 +68,11 @@ def _run(options: argparse.Namespace) -> int:
     if name not in cosim.ALGORITHMS:
         allowed = ", ".join(cosim.ALGORITHMS)
         raise CosimError.at("--algorithm", "there is no such algorithm", value=name, allowed=allowed)
-    settings = settings_of(system, options.set)
+    given = settings_of(system, options.set)
     signals = _signals(system, options.signals)
-    tell_surprises(system, settings, "saved" if options.resume else "start")
+    tell_surprises(system, given, "saved" if options.resume else "start")
     with cosim.Execution(system, _algorithm(name, step, experiment), start=experiment.start) as run:
-        for variable, value in settings.items():
+        for variable, value in given.items():
             run.set(variable, value)
         if options.scenario:
             run.follow(cosim.scenario.load(options.scenario, run.variables))
@@ -167,23 +161,15 @@ def settings_of(system: System, texts: list[str]) -> dict[str, float]:
         if not equals:
             problems.append(Problem("--set", "is not NAME=VALUE", text))
         elif name in known:
-            values[name] = _number(value, system.unit_of(name) or "1", name, problems)
+            try:
+                values[name] = value_of(value, system.unit_of(name) or "1", name)
+            except UnitError as error:
+                problems += error.problems
         else:
             problems.append(Problem(name, "no such variable", hint=nearest(name, known)))
     if problems:
         raise ParameterError(problems)
     return values
-
-
-def _number(text: str, unit: str, name: str, problems: list[Problem]) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        try:
-            return parse(text, unit, name)
-        except UnitError as error:
-            problems += error.problems
-            return 0.0
 
 
 def _signals(system: System, patterns: list[str] | None) -> list[str] | None:

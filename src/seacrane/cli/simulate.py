@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from seacrane.errors import ParameterError, Problem, SolveError, nearest
 
-from .arguments import Commands, output, picture, save_figure
+from .arguments import Commands, output, picture, save_figure, settings
 
 if TYPE_CHECKING:
     from seacrane.results import Recording
@@ -29,14 +29,7 @@ def add(commands: Commands) -> None:
         help="what to write and plot (default: in the plot inputs and outputs, or states where it has no outputs; "
         "in the CSV all but unset parameters)",
     )
-    run.add_argument(
-        "--set",
-        action="append",
-        type=_setting,
-        default=[],
-        metavar="NAME=VALUE",
-        help="parameter, input or start value, as valve.flow='400 l/min'; a bare number is SI",
-    )
+    settings(run, "parameter, input or start value")
     run.add_argument("--solver", default="rodas4", metavar="NAME", help="name of the solver (default rodas4)")
     run.add_argument("--tolerance", type=float, default=1e-6, metavar="T", help="relative tolerance (default 1e-6)")
     run.set_defaults(run=_simulate)
@@ -45,7 +38,7 @@ def add(commands: Commands) -> None:
 def _setting(text: str) -> tuple[str, str]:
     name, equals, value = text.partition("=")
     if not equals or not name.strip() or not value.strip():
-        raise argparse.ArgumentTypeError(f"{text!r} is not NAME=VALUE")
+        raise ParameterError.at("--set", "is not NAME=VALUE", value=text)
     return name.strip(), value.strip()
 
 
@@ -59,14 +52,14 @@ def _simulate(options: argparse.Namespace) -> int:
     if unknown:
         raise ParameterError(_unknown_signals(unknown, names))
     shown = [v.name for v in dae.inputs + (dae.outputs or dae.states)]
-    settings = dict(options.set)
-    constant = {v.name for v in dae.parameters} - settings.keys()
+    given = dict(map(_setting, options.set))
+    constant = {v.name for v in dae.parameters} - given.keys()
     try:
         run = model.simulate(
             dae,
             options.until,
             every=options.every,
-            parameters=model.settings(diagram, dae, settings),
+            parameters=model.settings(diagram, dae, given),
             record=options.signals or [name for name in names if name not in constant],
             solver=options.solver,
             tolerance=options.tolerance,

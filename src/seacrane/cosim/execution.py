@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import time as wall
 import weakref
@@ -201,9 +202,16 @@ class Execution:
         return loop_gains(self._plan, step, sizes)
 
     def steps_to(self, until: float) -> int:
-        """How many macro steps lead to the first communication point at or after `until` [s]."""
-        ahead = round(until * NANOSECONDS) - self._plan.time_ns
-        return max(0, -(-ahead // self._plan.schedule.step_ns))
+        """How many macro steps lead to the first communication point at or after `until` [s].
+
+        `CosimError` if that lies before the present.
+        """
+        if math.isfinite(until):
+            steps = -(-(round(until * NANOSECONDS) - self._plan.time_ns) // self._plan.schedule.step_ns)
+            if steps >= 0:
+                return steps
+        hint = "Time does not run back; restore() goes back to a saved state."
+        raise CosimError.at("until", "is no time to come", value=until, allowed=f"from {self.time:.9g} s on", hint=hint)
 
     def values(self, names: Sequence[str]) -> Vector:
         """Current values, shape (names,), each in the unit of its variable (SI in our own models)."""
@@ -338,9 +346,9 @@ class Execution:
     ) -> MemoryRecorder:
         """Record into memory: all outputs and bonds by default, at each macro step or `every` so many seconds.
 
-        `every` is taken to the nearest multiple of the macro step. With `keep` only the last so many seconds of
-        simulated time are kept. With `begin`, rows come from each point at which that condition comes to hold; with
-        `end`, none come after a point at which that one comes to hold.
+        `every` is a multiple of the macro step; `CosimError` names the nearest ones of what is none. With `keep` only
+        the last so many seconds of simulated time are kept. With `begin`, rows come from each point at which that
+        condition comes to hold; with `end`, none come after a point at which that one comes to hold.
         """
         recorder = MemoryRecorder(keep)
         self.observe(recorder, names, every=every, begin=begin, end=end)
@@ -392,8 +400,7 @@ class Execution:
         if names is None:
             names = [n for n, c in self._causality.items() if c in ("output", "bond")]
         indices, watches = self._resolve(names)
-        step_ns = self._plan.schedule.step_ns
-        stride = 1 if every is None else max(1, round(nanoseconds(every, "every") / step_ns))
+        stride = 1 if every is None else self._stride(every)
         capacity = max(64, min(4096, 262_144 // (1 + len(names))))
         rows = Rows(stride, indices, watches, np.zeros((capacity, 1 + len(names))))
         observer.open({n: (self._variables[n].unit, self._variables[n].display_unit) for n in names})
@@ -469,7 +476,8 @@ class Execution:
             recorder = self.record()
         self.start()
         told = wall.monotonic()
-        while (remaining := self.steps_to(until)) > 0:
+        target = self._plan.done + self.steps_to(until)
+        while (remaining := target - self._plan.done) > 0:
             if self._pausing():
                 break
             self._ready()
@@ -632,6 +640,17 @@ class Execution:
         recorder.drain()
         self._plan.rows = [rows for rows in self._plan.rows if rows is not recorder.rows]
         self._loop.refresh()
+
+    def _stride(self, every: float) -> int:
+        """How many macro steps `every` [s] is."""
+        wanted, step = nanoseconds(every, "every"), self._plan.schedule.step_ns
+        stride = max(1, round(wanted / step))
+        if abs(wanted - stride * step) > stride:  # the step itself is rounded to whole nanoseconds
+            below = wanted // step
+            near = " or ".join(f"{n * step / 1e9:.9g}" for n in (below, below + 1) if n > 0)
+            what = f"is no multiple of the macro step of {self.macro_step:.9g} s"
+            raise CosimError.at("every", what, value=every, allowed=f"{near} s, for example")
+        return stride
 
     def _look(self) -> None:
         """Do what triggers do that hold from the beginning."""

@@ -88,7 +88,8 @@ class RealTime:
         It returns earlier, and pauses, if `Execution.pause` is called.
         """
         run = self._run.start()
-        for _ in range(run.steps_to(until)):
+        ahead = run.steps_to(until)
+        while ahead > 0:
             due, begun = self._wait()
             before = run.time
             reached = run.step()
@@ -100,9 +101,10 @@ class RealTime:
             self._busy += ended - begun
             self._overruns += ended > due + run.macro_step / self._speed
             self._steps += 1
+            ahead -= 1
             if not reached:
                 break
-        if run.steps_to(until) > 0:
+        if ahead > 0:
             self.pause()
 
     def pause(self) -> None:

@@ -17,8 +17,7 @@ from seacrane.fmi.instance import FmuInstance
 from seacrane.fmi.symbols import known_units, unit_symbol
 from seacrane.fmi.values import element_of
 from seacrane.results import Recording, Signal
-from seacrane.units import UNITS, compatible, convert, display
-from seacrane.units import parse as quantity
+from seacrane.units import UNITS, compatible, convert, display, value_of
 
 _Driven = tuple[str, Any, Any]
 _NO_NUMBERS = ("String", "Binary", "Clock")
@@ -137,7 +136,7 @@ def parse(v: Variable, text: str, unit: str | None = None) -> Any:
 def _scalar(v: Variable, text: str, unit: str | None) -> Any:
     try:
         if v.type in REALS:
-            return _real(v.name, text, unit)
+            return float(text) if unit is None else value_of(text, unit, v.name)
         if v.type == "Boolean":
             return {"true": True, "1": True, "false": False, "0": False}[text.strip().lower()]
         if v.type == "Binary":
@@ -146,15 +145,6 @@ def _scalar(v: Variable, text: str, unit: str | None) -> Any:
     except (ValueError, KeyError):
         allowed = ", ".join(v.items) or None
         raise FmuError.at(v.name, f"is {v.type} and cannot take this value", value=text, allowed=allowed) from None
-
-
-def _real(name: str, text: str, unit: str | None) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        if unit is None:
-            raise
-        return quantity(text, unit, name)
 
 
 def _outputs(d: ModelDescription, asked: Sequence[str] | None) -> list[str]:

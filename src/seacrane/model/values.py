@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from seacrane.errors import ParameterError, Problem, UnitError, nearest
-from seacrane.units import Quantity, parse
+from seacrane.units import Quantity, value_of
 
 from .component import Declaration, check_value
 from .dae import Dae, Variable
@@ -25,7 +25,8 @@ def parameters(diagram: Diagram) -> tuple[Variable, ...]:
 def settings(diagram: Diagram, dae: Dae, texts: Mapping[str, str]) -> dict[str, float]:
     """SI values for parameters, inputs and start values of states of a diagram, given as texts by name.
 
-    A number without a unit is SI. `ParameterError` names every unknown name, wrong unit and value out of bounds.
+    A bare number is in the variable's own unit, which is SI here. `ParameterError` names every unknown name, wrong unit
+    and value out of bounds.
     """
     declared = _declarations(diagram)
     variables = {v.name: v for v in dae.constants + dae.inputs + dae.states}
@@ -38,7 +39,7 @@ def settings(diagram: Diagram, dae: Dae, texts: Mapping[str, str]) -> dict[str, 
             problems.append(Problem(name, what, hint=nearest(name, variables)))
             continue
         try:
-            value = _number(text, variable.unit, name)
+            value = value_of(text, variable.unit, name)
         except UnitError as error:
             problems += error.problems
             continue
@@ -60,13 +61,6 @@ def unsound(diagram: Diagram, values: Mapping[str, float]) -> list[Problem]:
     declared = _declarations(diagram)
     found = (check_value(name, value, *declared[name]) for name, value in values.items() if name in declared)
     return [problem for problem in found if problem is not None]
-
-
-def _number(text: str, unit: str, path: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return parse(text, unit, path)
 
 
 def _declarations(diagram: Diagram) -> dict[str, tuple[Declaration, Quantity | None]]:

@@ -87,7 +87,8 @@ class Runner:
         self._read = self._execution.reader(self._names)
         self._values = np.empty(len(self._names))
         self._tape = recording.Tape(self._tape_descriptor)
-        self._execution.observe(self._tape, self._names, every=recording.PERIOD)
+        step = self._execution.macro_step
+        self._execution.observe(self._tape, self._names, every=step * max(1, round(recording.PERIOD / step)))
         self._execution.start()
         self._simulation.command(self._axes, False)
         try:

@@ -34,6 +34,16 @@ def model(tmp_path: Path) -> Path:
     return tmp_path / "filling.json"
 
 
+@pytest.mark.parametrize(("flow", "diameter"), [("6 l/min", "2 mm"), ("1e-4", "0.002"), ("1e-4 m3/s", "2e-3")])
+def test_a_bare_number_is_in_the_variables_own_unit(model: Path, tmp_path: Path, flow: str, diameter: str) -> None:
+    csv = tmp_path / "out.csv"
+    settings = ["--set", f"flow={flow}", "--set", f"edge.diameter={diameter}"]
+    assert main(["simulate", str(model), "--until", "0.1", "--csv", str(csv), *settings]) == 0
+    recording = Recording.read_csv(csv)
+    assert recording["flow"][-1] == pytest.approx(6 * l_min)
+    assert recording["edge.diameter"][0] == pytest.approx(2e-3)
+
+
 def test_a_run_is_written_with_units(model: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     csv, plot = tmp_path / "out.csv", tmp_path / "out.svg"
     command = ["simulate", str(model), "--until", "2", "--every", "0.1", "--csv", str(csv), "--plot", str(plot)]
@@ -88,9 +98,9 @@ def test_a_run_that_cannot_be_is_refused(
 
 
 def test_a_setting_is_a_name_and_a_value(model: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit):
-        main(["simulate", str(model), "--until", "1", "--set", "flow"])
-    assert "'flow' is not NAME=VALUE" in capsys.readouterr().err
+    for text in ("flow", "=3", "flow="):
+        assert main(["simulate", str(model), "--until", "1", "--set", text]) == 2
+        assert f"--set: is not NAME=VALUE (got {text!r})" in capsys.readouterr().err
 
 
 def test_show_prints_parameters_with_units_equations_bond_graph_and_sources(

@@ -10,6 +10,7 @@ import pytest
 
 from seacrane import cosim, fmi
 from seacrane.cli import main
+from seacrane.cli.run import settings_of
 from seacrane.model.dae import Dae, Variable
 from seacrane.results import Recording
 
@@ -91,6 +92,26 @@ def test_parameters_and_open_inputs_are_set_with_units(folder, tmp_path, capsys)
     w, t = np.sqrt(2.0), recording.time
     np.testing.assert_allclose(recording["mass.velocity"], np.cos(w * t) + 20 / w * np.sin(w * t), atol=0.02)
     assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("pull", ["400", "0.4 kN", "4e2", "400 N"])
+def test_a_bare_number_is_in_the_variables_own_unit_alone_and_coupled(folder, tmp_path, pull) -> None:
+    file = tmp_path / "out.csv"
+    assert (
+        run(folder, "--until", "0.1", "--record", str(file), "--signals", "mass.pull", "--set", f"mass.pull={pull}")
+        == 0
+    )
+    assert Recording.read_csv(file)["mass.pull"][-1] == 400.0
+    alone = ["fmu", "run", str(folder / "mass.fmu"), "--until", "0.1", "--csv", str(file), "--signals", "pull"]
+    assert main([*alone, "--set", f"pull={pull}"]) == 0
+    assert Recording.read_csv(file)["pull"][-1] == 400.0
+
+
+def test_a_bare_number_is_not_si_where_a_variable_is_not(capsys) -> None:
+    pump = cosim.FunctionSlave(lambda t, h, u: u, [Variable("p", "bar")], [Variable("y", "bar")])
+    system = cosim.System("hydraulics", {"pump": pump})
+    for text in ("210", "210 bar", "21 MPa", "2.1e7 Pa"):
+        assert settings_of(system, [f"pump.p={text}"])["pump.p"] == pytest.approx(210.0)
 
 
 def test_progress_is_shown_on_request(folder, capsys) -> None:

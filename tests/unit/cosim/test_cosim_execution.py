@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from oscillators import dae, functions, models, system
 
-from seacrane.cosim import Execution, FunctionSlave, GaussSeidel, Jacobi, ModelSlave, System
+from seacrane.cosim import Execution, FunctionSlave, GaussSeidel, Jacobi, ModelSlave, RealTime, System
 from seacrane.errors import CosimError, ParameterError
 from seacrane.model.dae import Dae, Variable
 
@@ -96,6 +96,17 @@ def test_a_run_may_start_at_any_time():
         assert (run.time, run.values(["f.y"])[0]) == (100.75, 100.75)
         run.advance(100.6)
         assert run.time == 100.75
+
+
+@pytest.mark.parametrize("until", [100.25, 0.0, -1.0, math.nan, math.inf])
+def test_a_time_that_is_over_is_refused_rather_than_passed_in_silence(until):
+    with Execution(alone(lambda t, h, u: [t + h]), GaussSeidel(0.25), start=100.0) as run:
+        run.advance(100.5)
+        for go in (run.run, run.advance, RealTime(run, speed=1000.0).advance):
+            with pytest.raises(CosimError, match=r"until: is no time to come \(got .*\); allowed: from 100\.5 s on"):
+                go(until)
+        run.run(100.5)
+        assert run.time == 100.5
 
 
 # ---------------------------------------------------------------- setting and reading

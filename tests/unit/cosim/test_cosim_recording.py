@@ -30,6 +30,33 @@ def test_rows_come_at_the_chosen_rate_beyond_the_room_of_the_loop(loop):
     assert recording["clock.t"] == pytest.approx(recording.time, rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("every", "allowed"),
+    [
+        (0.015, "0.01 or 0.02 s"),
+        (0.005, "0.01 s"),
+        (0.0101, "0.01 or 0.02 s"),
+        (1e-9, "0.01 s"),
+        (7.123, "7.12 or 7.13 s"),
+    ],
+)
+def test_a_rate_that_is_no_multiple_of_the_macro_step_is_refused_with_the_nearest(tmp_path, every, allowed):
+    with Execution(clock(), GaussSeidel(0.01)) as run:
+        for record in (run.record, lambda **how: run.record_file(tmp_path / "x.csv", **how)):
+            with pytest.raises(CosimError) as caught:
+                record(every=every)
+            assert f"is no multiple of the macro step of 0.01 s (got {every})" in str(caught.value)
+            assert f"allowed: {allowed}, for example" in str(caught.value)
+
+
+@pytest.mark.parametrize(("step", "every", "rows"), [(0.1, 0.3, 11), (1e-3 / 3, 1e-3, 1001), (0.007, 0.7, 2)])
+def test_a_multiple_is_one_whatever_the_rounding_of_the_step(step, every, rows):
+    with Execution(clock(), GaussSeidel(step)) as run:
+        recorder = run.record(every=every)
+        run.run(every * (rows - 1) - step / 10)
+        assert len(recorder.recording()) == rows
+
+
 def test_a_recorder_may_keep_only_the_last_seconds():
     with Execution(clock(), GaussSeidel(0.001)) as run:
         recorder = run.record(keep=0.5)

@@ -8,7 +8,7 @@ import time as wall
 import weakref
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Literal, Self
@@ -16,33 +16,29 @@ from typing import Literal, Self
 import numpy as np
 
 from seacrane.cosim import saved
-from seacrane.cosim.actions import Action, Manipulator, Names, Set, check_action
-from seacrane.cosim.algorithms import NANOSECONDS, Algorithm, nanoseconds
+from seacrane.cosim.actions import Action, Manipulator, Set, check_action
+from seacrane.cosim.agenda import Agenda
+from seacrane.cosim.algorithms import NANOSECONDS, Algorithm
 from seacrane.cosim.bonds import ACCOUNT, SIGNALS, BondReport
+from seacrane.cosim.catalogue import Catalogue
 from seacrane.cosim.faults import explained, too_late
 from seacrane.cosim.loopgain import loop_gains
-from seacrane.cosim.loops import DONE, FAULT, Fault, Loop, append
+from seacrane.cosim.loops import DONE, FAULT, Fault, Loop
 from seacrane.cosim.native_loop import NativeLoop
-from seacrane.cosim.observers import ArrowRecorder, CsvRecorder, MemoryRecorder, Observer
-from seacrane.cosim.plan import CHANGE, TRIGGER, Plan, Rows
-from seacrane.cosim.plan import SIGNALS as OWN_SIGNALS
+from seacrane.cosim.observers import CsvRecorder, MemoryRecorder, Observer
+from seacrane.cosim.plan import Plan
 from seacrane.cosim.python_loop import PythonLoop
+from seacrane.cosim.recorders import Recorder, Recorders, file_recorder
 from seacrane.cosim.saved import State
-from seacrane.cosim.scenario import Scenario, Timed
+from seacrane.cosim.scenario import Scenario
 from seacrane.cosim.slave import Vector
-from seacrane.cosim.startup import settle
+from seacrane.cosim.startup import check_repeatable, settle
 from seacrane.cosim.system import System
 from seacrane.cosim.triggers import Condition, Trigger, Triggers, check_conditions
 from seacrane.cosim.watchdog import Late, Watchdog
-from seacrane.errors import CompileError, CosimError, ParameterError, Problem, SeacraneError, nearest
+from seacrane.errors import CompileError, CosimError, ParameterError, SeacraneError
 from seacrane.model.dae import Variable
 from seacrane.results import Recording
-
-_RECORDERS: Mapping[str, type[CsvRecorder | ArrowRecorder]] = {
-    ".csv": CsvRecorder,
-    ".arrow": ArrowRecorder,
-    ".parquet": ArrowRecorder,
-}
 
 FLUSH_S = 0.15
 """Rows are handed to the observers when this wall time [s] has passed; batches of the loop take far less."""
@@ -101,20 +97,11 @@ class Execution:
     ) -> None:
         if not system.slaves:
             raise CosimError.at(system.name, "has no slaves", hint="Add one with system.add(name, slave).")
-        self._variables = system.variables
-        self._causality = system.causalities
-        self._connectors = system.settable_connectors
-        self._places = {name: system.split(name) for name, c in self._causality.items() if c != "bond"}
-        self._sources = {c.target: c.source for c in system.connections}
-        self._free = {n for n, c in self._causality.items() if c == "input" and n not in self._sources}
-        self._names = Names(self._variables, self._causality, self._sources, tuple(system.slaves))
         self._system, self._algorithm = system, algorithm
         if threads is not None and threads < 1:
             raise CosimError.at("threads", "is no number of threads", value=threads, allowed="1 or more")
         schedule = algorithm.schedule(tuple(system.slaves), system)
-        for name in schedule.signals:
-            self._variables[name] = Variable(name, OWN_SIGNALS[name])
-            self._causality[name] = "algorithm"
+        self._catalogue = Catalogue(system, schedule)
         self._resources = ExitStack()
         self._finalizer = weakref.finalize(self, self._resources.close)
         try:
@@ -128,14 +115,12 @@ class Execution:
         except BaseException:
             self._finalizer()
             raise
-        self._manipulator = Manipulator(self._plan, self._free)
+        self._manipulator = Manipulator(self._plan, self._catalogue.free)
         self._triggers = Triggers(self._plan)
-        self._scenario: Scenario | None = None
-        self._events: tuple[Timed, ...] = ()
-        self._next_event = 0
+        self._agenda = Agenda()
         self._paused = False
         self._watchdog = self._guarded(time_limit, when_late)
-        self._recorders: list[_Recorder] = []
+        self._recorders = Recorders(self._plan, self._loop)
         self._inputs_set: dict[str, float] = {}
         self._started = False
         self._error: SeacraneError | None = None
@@ -168,7 +153,7 @@ class Execution:
     @property
     def variables(self) -> Mapping[str, Variable]:
         """All variables that can be read, and parameters, by their full names."""
-        return self._variables
+        return self._catalogue.variables
 
     @property
     def error(self) -> SeacraneError | None:
@@ -238,16 +223,16 @@ class Execution:
 
         A connector of the system itself sets all inputs that it leads to.
         """
-        for target, gain, bias in self._connectors.get(name, ()):
+        catalogue = self._catalogue
+        for target, gain, bias in catalogue.connectors.get(name, ()):
             self.set(target, gain * value + bias)
-        if name in self._connectors:
+        if name in catalogue.connectors:
             return
-        problems = check_action(Set(name, value), self._names)
+        problems = check_action(Set(name, value), catalogue.names)
         if problems:
-            settable = name in self._free or self._causality.get(name) == "parameter"
-            raise (ParameterError if settable else CosimError)(problems)
-        slave, variable = self._places[name]
-        if name in self._free:
+            raise (ParameterError if catalogue.settable(name) else CosimError)(problems)
+        slave, variable = catalogue.places[name]
+        if name in catalogue.free:
             if value != self._plan.values[self._plan.index[name]]:
                 self._plan.restart()
             self._inputs_set[name] = value
@@ -266,7 +251,7 @@ class Execution:
             self.set(action.variable, action.to)
             return
         self._require_started()
-        problems = check_action(action, self._names)
+        problems = check_action(action, self._catalogue.names)
         if problems:
             raise CosimError(problems)
         self._manipulator.apply(action)
@@ -291,9 +276,9 @@ class Execution:
         apply, read and save. Unless `once`, it is called again each time the conditions come to hold after they
         did not.
         """
-        problems = check_conditions(conditions, self._names)
+        problems = check_conditions(conditions, self._catalogue.names)
         if not callable(call):
-            problems += check_action(call, self._names)
+            problems += check_action(call, self._catalogue.names)
         if problems:
             raise CosimError(problems)
         whole = weakref.ref(self)
@@ -318,18 +303,7 @@ class Execution:
         An event takes effect after the row of that point was recorded. `CosimError` with all events that do not fit
         the system, or lie before the present.
         """
-        if self._scenario is not None:
-            raise CosimError.at(scenario.name, "cannot be followed: the run follows a scenario already")
-        problems = scenario.check(self._names)
-        timed = scenario.timed()
-        problems += [
-            Problem(f"events[{event.index}]", f"is due before the present time {self.time:g} s", event.at_ns / 1e9)
-            for event in timed
-            if event.at_ns < self._plan.time_ns
-        ]
-        if problems:
-            raise CosimError(Problem(f"{scenario.name}: {p.path}", *astuple(p)[1:]) for p in problems)
-        self._scenario, self._events = scenario, timed
+        self._agenda.follow(scenario, self._catalogue.names, self._plan.time_ns)
         for event in scenario.events:
             if event.conditions is not None:
                 self.when(*event.conditions, call=event.action)
@@ -368,11 +342,7 @@ class Execution:
         The suffix of the path says its kind: `.csv`, `.arrow` (a stream that survives a crash, see `ArrowRecorder`),
         or `.parquet` (that stream, turned into Parquet when the run is closed).
         """
-        kind = _RECORDERS.get(Path(path).suffix)
-        if kind is None:
-            allowed = f"a name that ends in {', '.join(_RECORDERS)}"
-            raise CosimError.at(str(path), "is of no kind of file to record into", allowed=allowed)
-        recorder = kind(path)
+        recorder = file_recorder(path)
         self.observe(recorder, names, every=every, begin=begin, end=end)
         return recorder
 
@@ -394,30 +364,25 @@ class Execution:
         end: Condition | None = None,
     ) -> None:
         """Hand rows of these variables to an observer; all else as for `record`."""
-        problems = [p for c in (begin, end) if c is not None for p in check_conditions([c], self._names)]
+        problems = [p for c in (begin, end) if c is not None for p in check_conditions([c], self._catalogue.names)]
         if problems:
             raise CosimError(problems)
-        if names is None:
-            names = [n for n, c in self._causality.items() if c in ("output", "bond")]
+        names = self._catalogue.observed if names is None else names
         indices, watches = self._resolve(names)
-        stride = 1 if every is None else self._stride(every)
-        capacity = max(64, min(4096, 262_144 // (1 + len(names))))
-        rows = Rows(stride, indices, watches, np.zeros((capacity, 1 + len(names))))
-        observer.open({n: (self._variables[n].unit, self._variables[n].display_unit) for n in names})
-        recorder = _Recorder(observer, rows)
+        signals = {n: ((v := self.variables[n]).unit, v.display_unit) for n in names}
+        recorder = self._recorders.add(observer, signals, indices, watches, every)
         self._resources.callback(recorder.close)
-        self._recorders.append(recorder)
         if begin is None:
             self._begin_recording(recorder)
         else:
             self.when(begin, call=lambda run: run._begin_recording(recorder), once=False)
         if end is not None:
-            self.when(end, call=lambda run: run._end_recording(recorder), once=False)
+            self.when(end, call=lambda run: run._recorders.end(recorder), once=False)
 
     def flush(self) -> None:
         """Hand all rows recorded so far to their observers, and let these bring them to where others can read them."""
         self._flushed = wall.monotonic()
-        self._each_recorder(_Recorder.flush)
+        self._recorders.flush()
 
     # ------------------------------------------------------------ running
     def start(self) -> Self:
@@ -429,16 +394,15 @@ class Execution:
             settle(self._plan, self._inputs_set)
             for part in self._plan.parts:
                 part.instance.begin()
-            self._check_repeatable()
+            self._plan.repeats = check_repeatable(self._plan, type(self._algorithm).__name__)
+            self._loop.refresh()
             self._plan.start()
         except BaseException as error:
             interrupted = CosimError.at("", f"the start was interrupted by {type(error).__name__}")
             self._error = error if isinstance(error, SeacraneError) else interrupted
             raise
         self._started = True
-        for recorder in self._recorders:
-            if any(rows is recorder.rows for rows in self._plan.rows):
-                self._first_row(recorder)
+        self._recorders.first_rows(self._watch)
         self._look()
         return self
 
@@ -471,9 +435,7 @@ class Execution:
         Without one, all outputs and bonds are recorded at each macro step from here on. `progress(time, until)` is
         called some ten times a second. The end comes earlier if `pause` is called.
         """
-        recorder = next((r.observer for r in self._recorders if isinstance(r.observer, MemoryRecorder)), None)
-        if recorder is None:
-            recorder = self.record()
+        recorder = self._recorders.in_memory or self.record()
         self.start()
         told = wall.monotonic()
         target = self._plan.done + self.steps_to(until)
@@ -493,25 +455,7 @@ class Execution:
         """The whole state, to which `restore` goes back exactly; `CosimError` naming each slave that cannot."""
         self._require_started()
         self._ready()
-        slaves, problems = {}, []
-        for part in self._plan.parts:
-            try:
-                slaves[part.name] = part.instance.save()
-            except SeacraneError as error:
-                problems += [Problem(part.name, f"cannot be saved: {p.message}") for p in error.problems]
-        if problems:
-            raise CosimError(problems)
-        plan = self._plan
-        return State(
-            plan.done,
-            plan.values.tobytes(),
-            slaves,
-            self._manipulator.stopped,
-            plan.changes.tobytes(),
-            plan.conditions.tobytes(),
-            plan.triggers.tobytes(),
-            self._next_event,
-        )
+        return saved.taken(self._plan, self._manipulator.stopped, self._agenda.passed)
 
     def restore(self, state: State) -> None:
         """Go back (or forth) to a state of this system; what recorders hold of later times is forgotten.
@@ -519,26 +463,13 @@ class Execution:
         The scenario and the triggers must be the same as when it was saved; what triggers have called is not undone.
         """
         self._require_started()
-        plan = self._plan
-        if set(state.slaves) != {part.name for part in plan.parts} or len(state.values) != plan.values.nbytes:
-            raise CosimError.at("state", "is that of another system")
-        if state.conditions != plan.conditions.tobytes() or len(state.triggers) != plan.triggers.nbytes:
-            raise CosimError.at("state", "is that of a run with other triggers")
+        saved.check(self._plan, state)
         self.flush()
-        for part in plan.parts:
-            part.instance.restore(state.slaves[part.name])
-            part.stopped = part.name in state.stopped
-        plan.values[:] = np.frombuffer(state.values)
-        plan.done = state.done
-        plan.triggers[:] = np.frombuffer(state.triggers, TRIGGER)
-        plan.put_changes(np.frombuffer(state.changes, CHANGE))
-        plan.calls[:] = 0
-        plan.stop[0] = 0
-        self._next_event = state.events
+        saved.put_back(self._plan, state)
+        self._agenda.passed = state.events
         self._loop.refresh()
         self._error = None
-        for recorder in self._recorders:
-            recorder.observer.forget_after(self.time)
+        self._recorders.forget_after(self.time)
 
     def save_file(self, path: str | Path) -> None:
         """Save the whole state to a file, from which a run in another process can go on: see `restore_file`."""
@@ -570,7 +501,9 @@ class Execution:
     # ------------------------------------------------------------ inside
     def _run_batch(self, steps: int) -> None:
         plan = self._plan
-        if (event := self._due()) is not None:
+        for action in self._agenda.due(plan.time_ns):
+            self.apply(action)
+        if (event := self._agenda.next_ns) is not None:
             steps = min(steps, -(-(event - plan.time_ns) // plan.schedule.step_ns))
         if self._watchdog is not None:
             self._watchdog.time = self.time
@@ -604,53 +537,13 @@ class Execution:
         self._resources.callback(watchdog.close)
         return watchdog
 
-    def _due(self) -> int | None:
-        """Carry out the events that are due; when the next one is [ns]."""
-        while self._next_event < len(self._events):
-            event = self._events[self._next_event]
-            if event.at_ns > self._plan.time_ns:
-                return event.at_ns
-            self._next_event += 1
-            self.apply(event.action)
-        return None
-
     def _hand_over(self) -> None:
         self._flushed = wall.monotonic()
-        self._each_recorder(_Recorder.drain)
+        self._recorders.drain()
 
-    def _each_recorder(self, do: Callable[[_Recorder], None]) -> None:
-        """Do something with all recorders, also when one of them cannot."""
-        problems: list[Problem] = []
-        for recorder in self._recorders:
-            try:
-                do(recorder)
-            except SeacraneError as error:
-                problems += error.problems
-        if problems:
-            raise CosimError(problems)
-
-    def _begin_recording(self, recorder: _Recorder) -> None:
-        if all(rows is not recorder.rows for rows in self._plan.rows):
-            self._plan.rows.append(recorder.rows)
-            self._loop.refresh()
-            if self._started:
-                self._first_row(recorder)
-
-    def _end_recording(self, recorder: _Recorder) -> None:
-        recorder.drain()
-        self._plan.rows = [rows for rows in self._plan.rows if rows is not recorder.rows]
-        self._loop.refresh()
-
-    def _stride(self, every: float) -> int:
-        """How many macro steps `every` [s] is."""
-        wanted, step = nanoseconds(every, "every"), self._plan.schedule.step_ns
-        stride = max(1, round(wanted / step))
-        if abs(wanted - stride * step) > stride:  # the step itself is rounded to whole nanoseconds
-            below = wanted // step
-            near = " or ".join(f"{n * step / 1e9:.9g}" for n in (below, below + 1) if n > 0)
-            what = f"is no multiple of the macro step of {self.macro_step:.9g} s"
-            raise CosimError.at("every", what, value=every, allowed=f"{near} s, for example")
-        return stride
+    def _begin_recording(self, recorder: Recorder) -> None:
+        if self._recorders.begin(recorder) and self._started:
+            self._recorders.first_row(recorder, self._watch)
 
     def _look(self) -> None:
         """Do what triggers do that hold from the beginning."""
@@ -675,28 +568,8 @@ class Execution:
             "the algorithm": saved.fingerprint(
                 type(self._algorithm).__name__, self._plan.schedule, self._plan.start_ns
             ),
-            "the scenario": saved.fingerprint(self._scenario and self._scenario.events),
+            "the scenario": saved.fingerprint(self._agenda.scenario and self._agenda.scenario.events),
         }
-
-    def _check_repeatable(self) -> None:
-        """See whether steps can be repeated; `CosimError` naming the slaves that do not let them, where they must."""
-        schedule = self._plan.schedule
-        if not schedule.repeats and schedule.control is None:
-            return
-        problems = []
-        for part in self._plan.parts:
-            if part.instance.calls is not None and part.instance.calls.save:
-                continue
-            try:
-                part.instance.save()
-            except SeacraneError as error:
-                why = "; ".join(p.message for p in error.problems)
-                what = type(self._algorithm).__name__
-                problems.append(Problem(part.name, f"cannot be saved and restored, which {what} needs: {why}"))
-        if problems and schedule.repeats:
-            raise CosimError(problems)
-        self._plan.repeats = not problems
-        self._loop.refresh()
 
     def _fail(self, fault: Fault) -> None:
         error, cause = explained(fault, self._plan)
@@ -718,35 +591,14 @@ class Execution:
         if self._error is None and self._loop.watch() == FAULT and self._loop.fault is not None:
             self._fail(self._loop.fault)
 
-    def _first_row(self, recorder: _Recorder) -> None:
-        if self._plan.done % recorder.rows.stride == 0:
-            if recorder.rows.watches:
-                self._watch()
-            append(recorder.rows, self.time, self._plan)
-
     def _resolve(self, names: Iterable[str]) -> tuple[np.ndarray, bool]:
         """Indices into the values; `CosimError` with every name that is wrong."""
-        names, problems = list(names), []
-        for name in names:
-            try:
-                if self._require(name) == "parameter":
-                    problems.append(
-                        Problem(name, "is a parameter and does not change by itself: it cannot be read here")
-                    )
-            except CosimError as error:
-                problems += error.problems
-        if problems:
-            raise CosimError(problems)
+        names = list(names)
+        self._catalogue.check_readable(names)
         watches = self._plan.watch(names)
         if watches:
             self._loop.refresh()
         return np.array([self._plan.index[name] for name in names], dtype=np.int64), watches
-
-    def _require(self, name: str) -> str:
-        try:
-            return self._causality[name]
-        except KeyError:
-            raise CosimError.at(name, "no such variable in the system", hint=nearest(name, self._causality)) from None
 
     def _require_started(self) -> None:
         if not self._started:
@@ -756,28 +608,6 @@ class Execution:
         if self._error is not None:
             message = "; ".join(str(problem) for problem in self._error.problems)
             raise CosimError.at("", f"the run ended at t = {self.time:.9g} s ({message})")
-
-
-class _Recorder:
-    """An observer with the rows that the loop fills for it."""
-
-    def __init__(self, observer: Observer, rows: Rows) -> None:
-        self.observer, self.rows = observer, rows
-
-    def drain(self) -> None:
-        count, self.rows.count = self.rows.count, 0
-        if count:
-            self.observer.write(self.rows.table[:count])
-
-    def flush(self) -> None:
-        self.drain()
-        self.observer.flush()
-
-    def close(self) -> None:
-        try:
-            self.drain()
-        finally:
-            self.observer.close()
 
 
 def _processors() -> int:

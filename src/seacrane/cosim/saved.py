@@ -17,9 +17,11 @@ from pathlib import Path
 from typing import Final
 
 import msgspec
+import numpy as np
 
 from seacrane import __version__
-from seacrane.errors import CosimError, Problem
+from seacrane.cosim.plan import CHANGE, TRIGGER, Plan
+from seacrane.errors import CosimError, Problem, SeacraneError
 
 FORMAT: Final = b"seacrane-state/1\n"
 _DIGEST: Final = 32
@@ -37,6 +39,52 @@ class State:
     conditions: bytes
     triggers: bytes
     events: int
+
+
+def taken(plan: Plan, stopped: tuple[str, ...], events: int) -> State:
+    """The state of a plan, of which these slaves are stopped and so many events have passed.
+
+    `CosimError` naming each slave that cannot be saved.
+    """
+    slaves, problems = {}, []
+    for part in plan.parts:
+        try:
+            slaves[part.name] = part.instance.save()
+        except SeacraneError as error:
+            problems += [Problem(part.name, f"cannot be saved: {p.message}") for p in error.problems]
+    if problems:
+        raise CosimError(problems)
+    return State(
+        plan.done,
+        plan.values.tobytes(),
+        slaves,
+        stopped,
+        plan.changes.tobytes(),
+        plan.conditions.tobytes(),
+        plan.triggers.tobytes(),
+        events,
+    )
+
+
+def check(plan: Plan, state: State) -> None:
+    """`CosimError` if the state is not one of this plan."""
+    if set(state.slaves) != {part.name for part in plan.parts} or len(state.values) != plan.values.nbytes:
+        raise CosimError.at("state", "is that of another system")
+    if state.conditions != plan.conditions.tobytes() or len(state.triggers) != plan.triggers.nbytes:
+        raise CosimError.at("state", "is that of a run with other triggers")
+
+
+def put_back(plan: Plan, state: State) -> None:
+    """Bring a plan and its slaves to the state."""
+    for part in plan.parts:
+        part.instance.restore(state.slaves[part.name])
+        part.stopped = part.name in state.stopped
+    plan.values[:] = np.frombuffer(state.values)
+    plan.done = state.done
+    plan.triggers[:] = np.frombuffer(state.triggers, TRIGGER)
+    plan.put_changes(np.frombuffer(state.changes, CHANGE))
+    plan.calls[:] = 0
+    plan.stop[0] = 0
 
 
 class _Content(msgspec.Struct, frozen=True, kw_only=True):

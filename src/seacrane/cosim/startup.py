@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from seacrane.cosim.plan import Part, Plan, Transfer
 from seacrane.cosim.slave import Vector
-from seacrane.errors import CosimError, Problem
+from seacrane.errors import CosimError, Problem, SeacraneError
 
 EXTRA_SWEEPS = 50
 """Sweeps beyond one for each slave, which a chain in the worst order needs: enough where loops contract."""
@@ -143,3 +143,21 @@ class _Start:
             Problem(names[i], f"is not finite at the start (t = {self._time:g} s)", float(values[i]))
             for i in np.flatnonzero(~np.isfinite(values))
         )
+
+
+def check_repeatable(plan: Plan, algorithm: str) -> bool:
+    """Whether steps can be repeated; `CosimError` naming the slaves that cannot go back, where they must."""
+    problems = []
+    if not plan.schedule.repeats and plan.schedule.control is None:
+        return False
+    for part in plan.parts:
+        if part.instance.calls is not None and part.instance.calls.save:
+            continue
+        try:
+            part.instance.save()
+        except SeacraneError as error:
+            why = "; ".join(p.message for p in error.problems)
+            problems.append(Problem(part.name, f"cannot be saved and restored, which {algorithm} needs: {why}"))
+    if problems and plan.schedule.repeats:
+        raise CosimError(problems)
+    return not problems

@@ -2,7 +2,7 @@
 import { type Curve, curve, type Verdict, verdict } from "../core/design/curve";
 import { contourStep, paint, postureAt, Rasteriser, type Section, type View } from "../core/design/section";
 import { type Crane, HARBOUR, type Mode, modes } from "../core/design/types";
-import { reachEdge } from "../core/design/volume";
+import { type Reach, reach } from "../core/design/volume";
 import { type Label, labels, scaleEnd } from "./section/contours";
 
 export type Request =
@@ -21,7 +21,7 @@ export type Request =
       readonly posture: Readonly<Record<string, number>>;
     }
   | { readonly kind: "curves"; readonly crane: Crane; readonly width: number }
-  | { readonly kind: "edge"; readonly crane: Crane };
+  | { readonly kind: "reach"; readonly crane: Crane };
 
 export interface Painted {
   readonly view: View;
@@ -45,7 +45,7 @@ export interface Answers {
   point: Found | null;
   posture: Verdict;
   curves: readonly Curve[];
-  edge: Float32Array;
+  reach: Reach;
 }
 
 const rasteriser = new Rasteriser();
@@ -79,8 +79,8 @@ function answer(request: Request): Answers[Request["kind"]] {
       return verdict(request.crane, request.posture, modeOf(request.crane, request.mode));
     case "curves":
       return modes(request.crane).map((mode) => curve(request.crane, mode, request.width));
-    case "edge":
-      return reachEdge(request.crane);
+    case "reach":
+      return reach(request.crane);
   }
 }
 

@@ -81,7 +81,9 @@ export function createView({ store: designer }: DesignerStore) {
       store.setState({ dialog: null });
     },
     tool(some: Partial<Tools>): void {
-      store.setState(({ tools }) => ({ tools: { ...tools, ...some } }));
+      // Distances between parts that are taken apart mean nothing
+      const other = some.measuring ? { explode: 0 } : some.explode ? { measuring: false } : {};
+      store.setState(({ tools }) => ({ tools: { ...tools, ...some, ...other } }));
     },
     /** All of the crane, in every picture. */
     all(): void {

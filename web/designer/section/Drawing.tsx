@@ -5,6 +5,7 @@ import { furnished } from "../../core/design/standard";
 import type { Crane } from "../../core/design/types";
 import { useDesigner } from "../context";
 import { outline } from "./outline";
+import { pedestal } from "./pedestal";
 import { toPixels, type Window } from "./window";
 
 const HANG = 4;
@@ -23,7 +24,7 @@ export function Drawing({ window, arc }: { window: Window; arc: (link: number) =
   const hook: Point = [tip[0], tip[1] - HANG];
   return (
     <g className="crane">
-      <polygon className="pedestal" points={pedestal(crane).map(px).join(" ")} />
+      <polygon className="pedestal" points={standing(crane).map(px).join(" ")} />
       {links.map(({ name, shapes }, index) => (
         <g
           key={name}
@@ -125,13 +126,12 @@ function outlines(crane: Crane) {
   }
 }
 
-function pedestal(crane: Crane): Point[] {
-  const size = 0.045 * crane.links.reduce((sum, _, i) => sum + Math.hypot(...endOf(crane, i)), 0) + 0.3;
-  const depth = Math.min(Math.max(crane.pedestal[2], 1), 4 * size);
+function standing(crane: Crane): Point[] {
+  const { top, bottom, depth } = pedestal(crane);
   return [
-    [-size, 0],
-    [size, 0],
-    [1.1 * size, -depth],
-    [-1.1 * size, -depth],
+    [-top, 0],
+    [top, 0],
+    [bottom, -depth],
+    [-bottom, -depth],
   ];
 }

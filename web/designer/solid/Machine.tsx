@@ -1,73 +1,69 @@
 import { Line } from "@react-three/drei";
+import type { ThreeEvent } from "@react-three/fiber";
 import { useMemo } from "react";
-import { MeshStandardMaterial, type Plane, Quaternion, Vector3 } from "three";
-import { type Posture, retracted } from "../../core/design/plane";
+import {
+  BackSide,
+  CylinderGeometry,
+  FrontSide,
+  type Intersection,
+  Mesh,
+  MeshBasicMaterial,
+  MeshStandardMaterial,
+  type Plane,
+  Quaternion,
+  type Raycaster,
+  Vector3,
+} from "three";
+import { retracted } from "../../core/design/plane";
 import type { Attachment, Crane, Link, Part } from "../../core/design/types";
 import { useDesigner } from "../context";
+import { pedestal } from "../section/pedestal";
+import { type Place, placed, wholeCentre } from "./places";
 import { shapeOf } from "./shapes";
 
-const SPREAD = 0.9;
+/** How much further from the middle of its link a part is when taken apart: along it, across it, upwards. */
+const SPREAD = [0.35, 0.9, 2.2] as const;
 
 interface Props {
   /** With parts in every link. */
   crane: Crane;
-  posture: Posture;
+  at: ReadonlyMap<string, Place>;
   /** 0 together, 1 apart. */
   explode: number;
   planes: Plane[];
   centres: boolean;
-  onSelect: (link: number, part: number) => void;
-}
-
-interface Place {
-  readonly at: Vector3;
-  readonly turn: Quaternion;
-}
-
-/** Where each link is, in foot axes. */
-function places(crane: Crane, posture: Posture): Map<string, Place> {
-  let now: Place = { at: new Vector3(), turn: new Quaternion() };
-  const found = new Map([["foot", now]]);
-  for (const { name, joint } of crane.links) {
-    const q = posture[joint.name] ?? 0;
-    const axis = new Vector3(...joint.axis).normalize();
-    const at = new Vector3(...joint.origin).applyQuaternion(now.turn).add(now.at);
-    now =
-      joint.kind === "revolute"
-        ? { at, turn: now.turn.clone().multiply(new Quaternion().setFromAxisAngle(axis, q)) }
-        : { at: at.add(axis.multiplyScalar(q).applyQuaternion(now.turn)), turn: now.turn };
-    found.set(name, now);
-  }
-  return found;
+  onClick: (event: ThreeEvent<MouseEvent>, link: number, part: number) => void;
 }
 
 /** The parts of a crane in a posture, with cylinders and rope. */
-export function Machine({ crane, posture, explode, planes, centres, onSelect }: Props) {
+export function Machine({ crane, at, explode, planes, centres, onClick }: Props) {
   const selection = useDesigner((state) => state.selection);
-  const at = useMemo(() => places(crane, posture), [crane, posture]);
   const paints = useMemo(
     () => ({
       body: paint("#e2a31b", 0.5, planes),
       chosen: paint("#2f9ed0", 0.45, planes),
       steel: paint("#6a727a", 0.4, planes),
       rod: paint("#dfe5ea", 0.2, planes),
-      glass: paint("#31414c", 0.3, planes),
+      glass: paint("#4a6274", 0.3, planes),
+      // What a cut lays open is seen from within the plate
+      cut: new MeshBasicMaterial({ color: "#c2255c", side: BackSide, clippingPlanes: planes }),
     }),
     [planes],
   );
-  const pin = ({ link, x, z }: Attachment, y = 0): Vector3 => {
-    const place = at.get(link) ?? at.get("foot")!;
-    return new Vector3(x, y, z).applyQuaternion(place.turn).add(place.at);
-  };
+  const pin = ({ link, x, z }: Attachment, y = 0) => placed(at, { link, local: [x, y, z] });
   const rope = [crane.hoist.drum, ...crane.hoist.sheaves].map((to) => pin(to));
   const tip = rope[rope.length - 1];
+  const whole = crane.links.reduce((sum, link) => sum + link.mass, 0);
+  const foot = pedestal(crane);
+  const left = useMemo(() => hitsLeftBy(planes), [planes]);
+  const cut = planes.length ? paints.cut : null;
   return (
     <>
       {crane.links.map((link, index) => {
         const place = at.get(link.name)!;
         const chosen = selection.kind === "link" && selection.index === index;
         return (
-          <group key={link.name} position={place.at} quaternion={place.turn}>
+          <group key={link.name} name={link.name} position={place.at} quaternion={place.turn}>
             {(link.parts ?? []).map((part, i) => (
               // biome-ignore lint/a11y/noStaticElementInteractions: an object of the scene, not of the page
               <mesh
@@ -80,8 +76,11 @@ export function Machine({ crane, posture, explode, planes, centres, onSelect }: 
                     : paints[painted(part)]
                 }
                 position={apart(part, link, explode)}
-                onClick={() => onSelect(index, i)}
-              />
+                raycast={left}
+                onClick={(event) => onClick(event, index, i)}
+              >
+                {cut && <mesh geometry={shapeOf(part)} material={cut} raycast={() => null} />}
+              </mesh>
             ))}
             {centres && (
               <mesh position={[...link.com]} renderOrder={2}>
@@ -102,24 +101,62 @@ export function Machine({ crane, posture, explode, planes, centres, onSelect }: 
             const barrel = Math.min(0.95 * retracted(crane, cylinder), 0.96 * length);
             return (
               <group key={`${cylinder.name} ${y}`}>
-                <Bar from={a} to={b} start={0} end={barrel} diameter={1.18 * cylinder.bore} material={paints.steel} />
-                <Bar from={a} to={b} start={barrel} end={length} diameter={cylinder.rod} material={paints.rod} />
+                <Bar
+                  from={a}
+                  to={b}
+                  start={0}
+                  end={barrel}
+                  diameter={1.18 * cylinder.bore}
+                  paint={paints.steel}
+                  cut={cut}
+                />
+                <Bar from={a} to={b} start={barrel} end={length} diameter={cylinder.rod} paint={paints.rod} cut={cut} />
               </group>
             );
           });
         })}
-      {explode === 0 && <Line points={[...rope, tip.clone().setZ(tip.z - 4)]} color="#22282d" lineWidth={1.5} />}
+      {explode === 0 && <Line points={[...rope, tip.clone().setZ(tip.z - 4)]} color={ROPE} lineWidth={1.5} />}
+      {centres && (
+        <mesh position={wholeCentre(crane, at)} renderOrder={2}>
+          <octahedronGeometry args={[0.25 * Math.cbrt(whole / 1e4)]} />
+          <meshBasicMaterial color="#d6336c" depthTest={false} transparent />
+        </mesh>
+      )}
+      <mesh position={[0, 0, -0.5 * foot.depth]} rotation={[Math.PI / 2, 0, 0]} material={FOUNDATION}>
+        <cylinderGeometry args={[foot.top, foot.bottom, foot.depth, 40]} />
+      </mesh>
     </>
   );
 }
 
+const FOUNDATION = new MeshStandardMaterial({ color: "#6a727a", roughness: 0.5, metalness: 0.1 });
+
+/** Seen before light and dark paper. */
+const ROPE = "#77838d";
+
 function paint(color: string, roughness: number, clippingPlanes: Plane[]): MeshStandardMaterial {
-  return new MeshStandardMaterial({ color, roughness, metalness: 0.1, flatShading: true, side: 2, clippingPlanes });
+  return new MeshStandardMaterial({
+    color,
+    roughness,
+    metalness: 0.1,
+    flatShading: true,
+    side: FrontSide,
+    clippingPlanes,
+  });
 }
 
 function painted(part: Part): "body" | "steel" | "glass" {
   if (part.kind === "sheave" || part.kind === "drum") return "steel";
   return part.kind === "box" && part.name === "cabin" ? "glass" : "body";
+}
+
+/** Rays meet a mesh only where it is not cut away. */
+function hitsLeftBy(planes: Plane[]) {
+  return function raycast(this: Mesh, ray: Raycaster, found: Intersection[]): void {
+    const all: Intersection[] = [];
+    Mesh.prototype.raycast.call(this, ray, all);
+    found.push(...all.filter(({ point }) => planes.every((plane) => plane.distanceToPoint(point) >= 0)));
+  };
 }
 
 /** How far a part goes from the middle of its link when taken apart. */
@@ -128,13 +165,12 @@ function apart(part: Part, link: Link, explode: number): [number, number, number
   const shape = shapeOf(part);
   if (!shape.boundingSphere) shape.computeBoundingSphere();
   const { x, y, z } = shape.boundingSphere!.center;
-  const k = SPREAD * explode;
-  return [
-    k * (x - link.com[0]),
-    k * (1 + Math.abs(x - link.com[0])) * Math.sign(y) + k * y,
-    k * 2.5 * (z - link.com[2]),
-  ];
+  const from = x - link.com[0];
+  const aside = (1 + Math.abs(from)) * Math.sign(y);
+  return [explode * SPREAD[0] * from, explode * SPREAD[1] * (y + aside), explode * SPREAD[2] * (z - link.com[2])];
 }
+
+const ROUND = new CylinderGeometry(1, 1, 1, 24);
 
 interface BarProps {
   from: Vector3;
@@ -142,18 +178,21 @@ interface BarProps {
   start: number;
   end: number;
   diameter: number;
-  material: MeshStandardMaterial;
+  paint: MeshStandardMaterial;
+  /** Of what is laid open by a cut, if there is one. */
+  cut: MeshBasicMaterial | null;
 }
 
 /** A round bar on the line between two points, from `start` to `end` along it [m]. */
-function Bar({ from, to, start, end, diameter, material }: BarProps) {
+function Bar({ from, to, start, end, diameter, paint, cut }: BarProps) {
   const along = to.clone().sub(from).normalize();
   const middle = from.clone().addScaledVector(along, 0.5 * (start + end));
   const turn = new Quaternion().setFromUnitVectors(new Vector3(0, 1, 0), along);
   const length = Math.max(end - start, 1e-3);
   return (
-    <mesh position={middle} quaternion={turn} scale={[0.5 * diameter, length, 0.5 * diameter]} material={material}>
-      <cylinderGeometry args={[1, 1, 1, 24]} />
-    </mesh>
+    <group position={middle} quaternion={turn} scale={[0.5 * diameter, length, 0.5 * diameter]}>
+      <mesh geometry={ROUND} material={paint} />
+      {cut && <mesh geometry={ROUND} material={cut} raycast={() => null} />}
+    </group>
   );
 }

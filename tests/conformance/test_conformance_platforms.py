@@ -70,7 +70,7 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> Case:
         f"-DSTEPS={STEPS}",
     )
     refusals = [
-        "spool cannot be set to inf 1: not a finite number",
+        "spool cannot be set to inf: it is not a finite number",
         str(refused.value).removeprefix("drive: "),
     ]
     return Case(path, defines, np.array(rows), refusals)

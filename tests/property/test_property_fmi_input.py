@@ -68,12 +68,16 @@ QUICK = settings(
 )
 
 
-def archive_of(text: bytes) -> bytes:
+LIBRARY = b"\x7fELF" + bytes(14) + b"\x3e\x00" + b"g"
+"""What a library begins with, and the GUID."""
+
+
+def archive_of(text: bytes, library: bytes = b"x" * 100) -> bytes:
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr(zipfile.ZipInfo("modelDescription.xml"), text)
         for platform in ("linux64", "x86_64-linux"):
-            archive.writestr(zipfile.ZipInfo(f"binaries/{platform}/m.so"), b"x" * 100)
+            archive.writestr(zipfile.ZipInfo(f"binaries/{platform}/m.so"), library)
     return buffer.getvalue()
 
 
@@ -116,7 +120,7 @@ def test_an_archive_with_a_piece_replaced(place: float, length: int, piece: byte
 @pytest.mark.parametrize("sound", [ONE, SOUND, THREE], ids=["1.0", "2.0", "3.0"])
 def test_the_sound_one_passes(sound: bytes, tmp_path: Path) -> None:
     path = tmp_path / "m.fmu"
-    path.write_bytes(archive_of(sound))
+    path.write_bytes(archive_of(sound, LIBRARY))
     assert fmi.check(path) == []
     with pytest.raises(FmuError, match="cannot be loaded"):
         fmi.Fmu(path)

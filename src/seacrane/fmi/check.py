@@ -8,10 +8,12 @@ from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
 from typing import Final
+from zipfile import ZipFile
 
 from seacrane.errors import FmuError, Problem
 from seacrane.fmi.archive import description_text, opened, text_of
 from seacrane.fmi.attributes import MOST_PROBLEMS, shortened
+from seacrane.fmi.binaries import binary_problems
 from seacrane.fmi.description import REALS, Capabilities, ModelDescription, Unknown, Variable
 from seacrane.fmi.naming import is_flat, is_structured
 from seacrane.fmi.platforms import binary_path, has_sources, host, platforms
@@ -49,21 +51,25 @@ _KINDS: Final = ("dependent", "constant", "fixed", "tunable", "discrete")
 
 
 def check(path: str | Path) -> list[Problem]:
-    """All that is wrong with an FMU; an empty list if nothing was found. A file that is no FMU is a finding too."""
+    """All that is wrong with an FMU; an empty list if nothing was found. A file that is no FMU is a finding too.
+
+    Binaries must be libraries of their platform. That for this machine is made an instance of, in a process of its own,
+    where it does not hold the GUID as a text.
+    """
     try:
         with opened(Path(path)) as archive:
             names = archive.namelist()
             root = parse_xml(description_text(archive))
             terminals = parse_xml(text_of(archive, TERMINALS)) if TERMINALS in names else None
+            found = list(islice(_findings(Path(path), archive, root, terminals), MOST_PROBLEMS + 1))
     except FmuError as error:
         return list(error.problems)
-    found = list(islice(_findings(root, terminals, names), MOST_PROBLEMS + 1))
     if len(found) > MOST_PROBLEMS:
         found[-1] = Problem(FILE, f"has more than {MOST_PROBLEMS} problems; these are the first")
     return found
 
 
-def _findings(root: Element, terminals: Element | None, names: list[str]) -> Iterator[Problem]:
+def _findings(path: Path, archive: ZipFile, root: Element, terminals: Element | None) -> Iterator[Problem]:
     seen = set()
     if root.tag == "fmiModelDescription":
         for problem in structure_problems(root, root.attributes.get("fmiVersion", "")):
@@ -79,7 +85,8 @@ def _findings(root: Element, terminals: Element | None, names: list[str]) -> Ite
             read_terminals(terminals, description)
         except FmuError as error:
             yield from error.problems
-    yield from _files(description, names)
+    yield from _files(description, archive.namelist())
+    yield from binary_problems(path, archive, description)
     yield from _variables(description)
     yield from _aliases(description)
     yield from _units(description)

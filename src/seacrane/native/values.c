@@ -66,18 +66,20 @@ int get_values(struct instance *m, const uint32_t *reference, size_t count, doub
 static int refuse(struct instance *m, uint32_t reference, double value)
 {
     const struct variable *v = find_variable(reference);
+    const int plain = strcmp(v->unit, "1") == 0; /* a number without a unit */
+    const char *gap = plain ? "" : " ", *unit = plain ? "" : v->unit;
     if (!isfinite(value))
-        return fail(m, "%s cannot be set to %g %s: not a finite number", v->name, value, v->unit);
+        return fail(m, "%s cannot be set to %g: it is not a finite number", v->name, value);
     switch (v->kind) {
     case STATE:
     case ALGEBRAIC:
     case MODE:
         return fail(m, "%s can only be set before or during initialization", v->name);
     case PARAMETER:
-        return fail(m, "%s = %.9g %s is outside its range of %.9g to %.9g %s", v->name, value, v->unit,
-                    model_minimum_p[v->index], model_maximum_p[v->index], v->unit);
+        return fail(m, "%s = %.9g%s%s is outside its range of %.9g to %.9g%s%s", v->name, value, gap, unit,
+                    model_minimum_p[v->index], model_maximum_p[v->index], gap, unit);
     case SETTING:
-        return fail(m, "%s = %.9g %s is outside its range of %s", v->name, value, v->unit,
+        return fail(m, "%s = %.9g%s%s is outside its range of %s", v->name, value, gap, unit,
                     v->index == TOLERANCE ? "1e-12 to 0.1" : "0 (adaptive) upwards");
     default:
         return fail(m, "%s is a result and cannot be set", v->name);

@@ -113,11 +113,11 @@ def test_a_run_goes_on_from_an_earlier_state_once_the_fault_is_mended(fmu, loop,
 @LOOPS
 def test_an_fmu_that_takes_too_long_is_named(fmu, loop, caplog):
     with (
-        Execution(system(fmu, when=0.7, work=0.4), GaussSeidel(0.125), loop=loop, time_limit=0.1) as run,
+        Execution(system(fmu, when=0.7, work=1.0), GaussSeidel(0.125), loop=loop, time_limit=0.4) as run,
         pytest.raises(CosimError, match=r"pump: took too long in the step from t = 0\.625 to 0\.75 s"),
     ):
         run.advance(2.0)
-    assert caplog.messages[0].startswith("pump: has been at work for 0.1")
+    assert caplog.messages[0].startswith("pump: has been at work for ")
 
 
 def with_bond(fmu: Path, **parameters: float) -> System:

@@ -33,6 +33,10 @@ SOUND = """<?xml version="1.0" encoding="UTF-8"?>
 """  # noqa: E501
 
 
+LIBRARY = b"\x7fELF" + bytes(14) + b"\x3e\x00" + b"g"
+"""What a library for this machine begins with, and the GUID."""
+
+
 @pytest.fixture
 def fmu_of(tmp_path: Path) -> Callable[..., Path]:
     def write(text: str, *binaries: str) -> Path:
@@ -40,7 +44,7 @@ def fmu_of(tmp_path: Path) -> Callable[..., Path]:
         with zipfile.ZipFile(path, "w") as archive:
             archive.writestr("modelDescription.xml", text)
             for name in binaries or ("binaries/linux64/tank.so",):
-                archive.writestr(name, "x")
+                archive.writestr(name, LIBRARY if name.endswith(".so") else "MZ")
         return path
 
     return write

@@ -62,6 +62,10 @@ TERMINALS = """<fmiTerminalsAndIcons fmiVersion="3.0"><Terminals>
 """
 
 
+LIBRARY = b"\x7fELF" + bytes(14) + b"\x3e\x00" + b"g"
+"""What a library for this machine begins with, and the GUID."""
+
+
 @pytest.fixture
 def fmu_of(tmp_path: Path) -> Callable[..., Path]:
     def write(text: str, *binaries: str, terminals: str = TERMINALS) -> Path:
@@ -70,7 +74,7 @@ def fmu_of(tmp_path: Path) -> Callable[..., Path]:
             archive.writestr("modelDescription.xml", text)
             archive.writestr("terminalsAndIcons/terminalsAndIcons.xml", terminals)
             for name in binaries or ("binaries/x86_64-linux/tank.so",):
-                archive.writestr(name, "x")
+                archive.writestr(name, LIBRARY if name.endswith(".so") else "MZ")
         return path
 
     return write

@@ -6,7 +6,10 @@ import { build } from "vite";
 export async function bundle(path) {
   const root = fileURLToPath(new URL("..", import.meta.url));
   const lib = { entry: root + path, formats: ["es"], fileName: "bundle" };
-  const [{ output }] = await build({ root, configFile: false, logLevel: "error", build: { lib, write: false } });
+  // constants stay constants, as in the worker of vite.config.ts
+  const rolldownOptions = { output: { topLevelVar: false } };
+  const options = { lib, write: false, rolldownOptions };
+  const [{ output }] = await build({ root, configFile: false, logLevel: "error", build: options });
   return output[0].code;
 }
 

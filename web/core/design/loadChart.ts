@@ -1,10 +1,11 @@
 // What a crane may lift in each of a grid of postures, and what keeps it from more. The same laws as
 // src/seacrane/design/chart.py, which says where they come from; a shared fixture holds both equal.
 //
-// The last joint runs in the innermost loop. All that it moves is tabulated once in the frame of the link before it,
-// so that a posture costs no trigonometry, only a turn of the tables.
-import { ORIGIN, type PlaneJoint, type Pose, planar, pointX, pointZ, posed, retracted, type Span, span } from "./plane";
-import { type Attachment, type Crane, type Cylinder, GRAVITY, type Mode } from "./types";
+// In a row of postures only the last joint moves. Every moment is then a sum of three terms (see rows.ts), and the lever
+// of a cylinder either stands still or is the same in all rows, so that the laws run over tables.
+import { retracted } from "./plane";
+import { type Along, type AlongPoint, type Line, plus, ROW, Rows, U, V } from "./rows";
+import { type Crane, type Cylinder, GRAVITY, type Mode } from "./types";
 
 const STROKE_MARGIN = 0.01;
 const LEAST_HANG = 1.0;
@@ -82,34 +83,48 @@ function reeving(falls: number, sheave: number): number {
   return sum / falls;
 }
 
+/** Loads on the grid of `coordinates`, one array for each joint of the plane. */
+export function capacity(crane: Crane, coordinates: readonly ArrayLike<number>[], mode: Mode): Capacity {
+  const result = allocate(coordinates.reduce((product, values) => product * values.length, 1));
+  sweep(crane, coordinates, mode, ({ count, radius, height, load, governs }, at) => {
+    result.radius.set(radius.subarray(0, count), at);
+    result.height.set(height.subarray(0, count), at);
+    result.load.set(load.subarray(0, count), at);
+    result.governs.set(governs.subarray(0, count), at);
+  });
+  return result;
+}
+
 /**
- * Loads on the grid of `coordinates`, one array for each joint of the plane. `out` is filled if it is large enough, so
- * that nothing is allocated while dragging.
+ * Visits such a grid in rows: the first `count` of the arrays are the postures from index `at` of the grid on, until the
+ * next row takes their place.
  */
-export function capacity(
+export function sweep(
   crane: Crane,
   coordinates: readonly ArrayLike<number>[],
   mode: Mode,
-  out?: Capacity,
-): Capacity {
-  const joints = planar(crane);
-  const n = joints.length;
-  const count = coordinates.reduce((product, values) => product * values.length, 1);
-  const result = out && out.load.length >= count ? { ...out, count } : allocate(count);
-  if (n === 0 || count === 0) return result;
-  const sweep = new Sweep(crane, joints, coordinates[n - 1], mode);
+  visit: (row: Capacity, at: number) => void,
+): void {
   const outer = coordinates.slice(0, -1);
-  const index = outer.map(() => 0);
-  const q = outer.map((values) => values[0]);
-  for (let at = 0; at < count; at += coordinates[n - 1].length) {
-    sweep.row(q, at, result);
-    for (let k = outer.length - 1; k >= 0; k -= 1) {
-      index[k] = (index[k] + 1) % outer[k].length;
-      q[k] = outer[k][index[k]];
-      if (index[k] > 0) break;
+  const last = Array.from(coordinates[coordinates.length - 1] ?? []);
+  const standing = outer.reduce((product, values) => product * values.length, 1);
+  const pieces = Math.ceil(last.length / ROW);
+  for (let piece = 0; piece < pieces; piece += 1) {
+    const from = Math.floor((piece * last.length) / pieces);
+    const rows = new Rows(crane, last.slice(from, Math.floor(((piece + 1) * last.length) / pieces)));
+    const lift = new Lift(crane, rows, mode);
+    const index = outer.map(() => 0);
+    outer.forEach((values, k) => rows.stand(k, values[0]));
+    for (let row = 0; row < standing; row += 1) {
+      rows.pose();
+      visit(lift.row(), row * last.length + from);
+      for (let k = outer.length - 1; k >= 0; k -= 1) {
+        index[k] = (index[k] + 1) % outer[k].length;
+        rows.stand(k, outer[k][index[k]]);
+        if (index[k] > 0) break;
+      }
     }
   }
-  return result;
 }
 
 function allocate(count: number): Capacity {
@@ -122,454 +137,316 @@ function allocate(count: number): Capacity {
   };
 }
 
-/** A limit that a cylinder (`cylinder` >= 0), or the structure, sets to the moment about a joint. */
-interface Held {
-  readonly joint: number;
-  readonly cylinder: number;
-  readonly low: number;
-  readonly high: number;
+// ---------------------------------------------------------------- one row
+// Place of the tip, load and what governs; the weight with its dynamics that is borne [N]; the lead of the load over its
+// height; how far a newton on the hook lets it down [m/N].
+const RADIUS = new Float64Array(ROW);
+const HEIGHT = new Float64Array(ROW);
+const LOAD = new Float64Array(ROW);
+const GOVERNS = new Uint8Array(ROW);
+const BORNE = new Float64Array(ROW);
+const LEAD = new Float64Array(ROW);
+const COMPLIANCE = new Float64Array(ROW);
+
+/** What bears a moment about a joint: a cylinder set, the structure, or the slewing ring. */
+interface Bearer {
+  /** Place of the joint; null for the slewing ring. */
+  readonly joint: number | null;
+  readonly ram?: Ram;
+  /**
+   * Four columns, a line for each posture or one for all of a row. The moments that it bears lie within HALF of MIDDLE
+   * [N.m]; its oil lets the joint yield by SOFT [rad/(N.m), m/N]; the joint pulls in PULLED of the rope over the falls [m].
+   */
+  readonly table: Float64Array;
+  /** Whether the table is the same in all rows. */
+  readonly same: boolean;
 }
 
-/** Of two pins, for each posture of a row: length between them, and its derivative by a joint. */
-interface Reach {
+const MIDDLE = 0;
+const HALF = 1;
+const SOFT = 2;
+const PULLED = 3;
+const COLUMNS = 4;
+
+interface Ram {
+  readonly line: Line;
   readonly length: Float64Array;
   readonly lever: Float64Array;
+  readonly push: number;
+  readonly pull: number;
+  readonly bore: number;
+  readonly annulus: number;
+  readonly stroke: number;
+  /** Length with the rod fully in [m]. */
+  readonly closed: number;
 }
 
-function reach(count: number): Reach {
-  return { length: new Float64Array(count), lever: new Float64Array(count) };
+/** A length of rope, and what each joint between its ends pulls in of it. */
+interface Fall {
+  readonly line: Line;
+  readonly length: Float64Array;
+  readonly levers: readonly Float64Array[];
 }
 
-/** One row of postures after the other: all coordinates of the last joint, for fixed ones of those before it. */
-class Sweep {
-  private readonly n: number;
-  private readonly inner: number;
-  private readonly last: PlaneJoint;
-  private readonly lastMass: number;
-  private readonly held: readonly Held[];
-  private readonly rope: readonly Span[];
-  private readonly cylinders: readonly Span[];
-  private readonly tip: Float64Array;
-  private readonly mass: Float64Array;
-  private readonly tables = new Map<Attachment, Float64Array>();
-  // Of the row, for each posture: what each joint bears of the crane [N.m] and of a newton on the hook, plumb and by its lead [m].
-  private readonly own: Float64Array[];
-  private readonly plumb: Float64Array[];
-  private readonly lead: Float64Array[];
-  private readonly massX: Float64Array;
-  private readonly massZ: Float64Array;
-  private readonly borne: Float64Array;
-  private readonly leading: Float64Array;
-  private readonly compliance: Float64Array;
-  private readonly scratch: Reach;
-  private readonly unit: Reach;
-  private readonly retracted: readonly number[];
-  private readonly reaches = new Map<Span, Reach>();
-  // Of the links before the last one, for the row.
-  private poses: Pose[] = [];
+/** The lift of a load along the rows of a grid. */
+class Lift {
+  private readonly atSea: boolean;
+  /** Components of the upward direction along the crane's x and z. */
+  private readonly upX: number;
+  private readonly upZ: number;
+  private readonly bearers: readonly Bearer[];
+  private readonly rope: readonly Fall[];
+  private readonly falls: number;
+  /** Weight with its dynamics that rope and winch bear [N], and which of them bears less. */
+  private readonly hoisted: number;
+  private readonly hoistedBy: number;
+  /** Index of the first limit that takes no dynamics. */
+  private readonly momentsFrom: number;
+  /** Of a link and all that it carries [kg]. */
+  private readonly masses: readonly number[];
+  private readonly offlead: number;
+  /** (v_r / g)^2 [s2] */
+  private readonly impact: number;
 
   constructor(
     private readonly crane: Crane,
-    private readonly joints: readonly PlaneJoint[],
-    private readonly coordinates: ArrayLike<number>,
-    private readonly mode: Mode,
+    private readonly rows: Rows,
+    mode: Mode,
   ) {
-    const { hoist, rating, cylinders } = crane;
-    this.n = joints.length;
-    this.inner = coordinates.length;
-    this.last = joints[this.n - 1];
-    this.lastMass = crane.links[this.last.link].mass;
-    const place = (name: string) => joints.findIndex((joint) => joint.joint.name === name);
+    const { hoist, rating, cylinders, links } = crane;
+    const { count } = rows;
+    this.atSea = mode.waveHeight > 0;
+    const heel = rating?.heel ?? 0;
+    this.upX = -Math.sin(heel);
+    this.upZ = Math.cos(heel);
+    this.falls = hoist.falls ?? 1;
+    this.offlead = 2.5 + 1.5 * mode.waveHeight;
+    this.impact = (((0.5 * hoist.speed) / this.falls + meetingSpeed(crane, mode)) / GRAVITY) ** 2;
+    this.masses = links.map((_, i) => links.slice(i).reduce((sum, { mass }) => sum + mass, 0));
+
     const path = [hoist.drum, ...hoist.sheaves];
-    this.rope = path.slice(1).map((to, i) => span(crane, path[i], to));
-    this.cylinders = cylinders.map((cylinder) => span(crane, cylinder.base, cylinder.eye));
-    this.held = [
-      ...cylinders.map((cylinder, i) => {
-        const [push, pull] = cylinderForces(cylinder);
-        return { joint: place(cylinder.moves), cylinder: i, low: -pull, high: push };
-      }),
-      ...(rating?.structure ?? []).map(({ joint, moment }) => ({
-        joint: place(joint),
-        cylinder: -1,
-        low: -moment,
-        high: moment,
-      })),
-    ];
-    const end = hoist.sheaves[hoist.sheaves.length - 1];
-    const { com } = crane.links[this.last.link];
-    this.tip = this.table(end.x, end.z);
-    this.mass = this.table(com[0], com[2]);
-    const row = () => new Float64Array(this.inner);
-    this.own = joints.map(row);
-    this.plumb = joints.map(row);
-    this.lead = joints.map(row);
-    this.massX = row();
-    this.massZ = row();
-    this.borne = row();
-    this.leading = row();
-    this.compliance = row();
-    this.scratch = reach(this.inner);
-    this.unit = reach(this.inner);
-    this.unit.lever.fill(1);
-    this.retracted = cylinders.map((cylinder) => retracted(crane, cylinder));
-  }
-
-  row(q: readonly number[], at: number, out: Capacity): void {
-    this.poses = posed(this.crane, this.joints, q);
-    const x = out.radius.subarray(at, at + this.inner);
-    const z = out.height.subarray(at, at + this.inner);
-    const governs = out.governs.subarray(at, at + this.inner);
-    this.place(x, z);
-    for (let k = 0; k < this.n; k += 1) this.moments(k, x, z);
-    const atSea = this.mode.waveHeight > 0;
-    if (atSea) this.leads(x, z);
-    this.ropes(z);
-    this.borne.fill(Number.POSITIVE_INFINITY);
-    governs.fill(0);
-    this.held.forEach((held, index) => {
-      this.hold(held, index, governs);
+    this.rope = path.slice(1).map((to, i) => {
+      const line = rows.line(path[i], to);
+      const size = line.runs ? count : 1;
+      return {
+        line,
+        length: new Float64Array(size),
+        levers: rows.joints.map((_, k) => new Float64Array(line.joints.includes(k) ? size : 0)),
+      };
     });
-    this.rest(x, z, governs, out.load.subarray(at, at + this.inner));
-  }
+    for (const fall of this.rope) this.reeve(fall);
+    const place = (name: string) => rows.joints.findIndex((joint) => joint.joint.name === name);
+    const bearer = (joint: number | null, moment: number, ram?: Ram): Bearer => {
+      const lines = [...this.rope, ...(ram ? [ram] : [])].map(({ line }) => line);
+      const over = lines.filter(({ joints }) => joint !== null && joints.includes(joint));
+      const table = new Float64Array(COLUMNS * (over.some(({ runs }) => runs) ? count : 1));
+      for (let t = 0; t < table.length; t += COLUMNS) table[t + HALF] = moment;
+      return { joint, ram, table, same: over.every(({ same }) => same) };
+    };
+    this.bearers = [
+      ...cylinders.map((cylinder) => {
+        const { base, eye, moves, stroke } = cylinder;
+        const line = rows.line(base, eye);
+        const [push, pull] = cylinderForces(cylinder);
+        const [bore, annulus] = areas(cylinder);
+        const size = line.runs ? count : 1;
+        const tables = { length: new Float64Array(size), lever: new Float64Array(size) };
+        const closed = retracted(crane, cylinder);
+        return bearer(place(moves), 0, { line, ...tables, push, pull, bore, annulus, stroke, closed });
+      }),
+      ...(rating?.structure ?? []).map(({ joint, moment }) => bearer(place(joint), moment)),
+      ...(rating?.slew_moment == null ? [] : [bearer(null, rating.slew_moment)]),
+    ];
+    for (const item of this.bearers) if (item.same) this.tabulate(item);
 
-  private get parent(): Pose {
-    return this.poses[this.last.link - 1] ?? ORIGIN;
-  }
-
-  /** The table of a pin on the last link, made once. */
-  private pin(at: Attachment): Float64Array {
-    const kept = this.tables.get(at) ?? this.table(at.x, at.z);
-    this.tables.set(at, kept);
-    return kept;
-  }
-
-  /** A point of the last link and its derivative, in the frame of the link before: x, z, dx, dz for each coordinate. */
-  private table(x: number, z: number): Float64Array {
-    const { joint, turns, sign, slideX, slideZ } = this.last;
-    const [ox, , oz] = joint.origin;
-    const values = new Float64Array(4 * this.inner);
-    for (let j = 0; j < this.inner; j += 1) {
-      const q = this.coordinates[j];
-      if (turns) {
-        const [c, s] = [Math.cos(q), Math.sin(q) * sign];
-        const [tx, tz] = [x * c - z * s, x * s + z * c];
-        values.set([ox + tx, oz + tz, -sign * tz, sign * tx], 4 * j);
-      } else values.set([ox + x + q * slideX, oz + z + q * slideZ, slideX, slideZ], 4 * j);
-    }
-    return values;
-  }
-
-  /** Where the tip and the last link's centre of mass are. */
-  private place(x: Float64Array, z: Float64Array): void {
-    const { inner, massX, massZ, tip, mass } = this;
-    const { x: px, z: pz, c, s } = this.parent;
-    for (let j = 0, t = 0; j < inner; j += 1, t += 4) {
-      x[j] = px + c * tip[t] - s * tip[t + 1];
-      z[j] = pz + s * tip[t] + c * tip[t + 1];
-      massX[j] = px + c * mass[t] - s * mass[t + 1];
-      massZ[j] = pz + s * mass[t] + c * mass[t + 1];
-    }
-  }
-
-  private get up(): [number, number] {
-    const heel = this.crane.rating?.heel ?? 0;
-    return [-Math.sin(heel), Math.cos(heel)];
-  }
-
-  /** What joint k bears of the crane itself, and its lever for a plumb load without the rope. */
-  private moments(k: number, x: Float64Array, z: Float64Array): void {
-    const { inner, massX, massZ, lastMass, crane, joints, last, poses } = this;
-    const [own, plumb] = [this.own[k], this.plumb[k]];
-    const [u0, u1] = this.up;
-    const { turns, sign } = joints[k];
-    const weight = GRAVITY * lastMass;
-    if (k === this.n - 1) {
-      const { tip, mass } = this;
-      const { c, s } = this.parent;
-      const [a, b] = [u0 * c + u1 * s, u1 * c - u0 * s];
-      for (let j = 0, t = 2; j < inner; j += 1, t += 4) {
-        own[j] = weight * (a * mass[t] + b * mass[t + 1]);
-        plumb[j] = a * tip[t] + b * tip[t + 1];
-      }
-      return;
-    }
-    let before = 0;
-    for (let i = joints[k].link; i < last.link; i += 1) {
-      const { com, mass } = crane.links[i];
-      const [dx, dz] = this.byJoint(k, pointX(poses[i], com[0], com[2]), pointZ(poses[i], com[0], com[2]));
-      before += GRAVITY * mass * (u0 * dx + u1 * dz);
-    }
-    if (!turns) {
-      const [dx, dz] = this.byJoint(k, 0, 0);
-      own.fill(before + weight * (u0 * dx + u1 * dz));
-      plumb.fill(u0 * dx + u1 * dz);
-      return;
-    }
-    const { x: jx, z: jz } = poses[joints[k].link];
-    const [a, b] = [sign * u1, -sign * u0];
-    for (let j = 0; j < inner; j += 1) {
-      own[j] = before + weight * (a * (massX[j] - jx) + b * (massZ[j] - jz));
-      plumb[j] = a * (x[j] - jx) + b * (z[j] - jz);
-    }
-  }
-
-  /** Derivative by joint k of a point that it carries. */
-  private byJoint(k: number, x: number, z: number): [number, number] {
-    const { link, turns, sign, slideX, slideZ } = this.joints[k];
-    if (turns) return [-sign * (z - this.poses[link].z), sign * (x - this.poses[link].x)];
-    const { c, s } = this.poses[link - 1] ?? ORIGIN;
-    return [slideX * c - slideZ * s, slideX * s + slideZ * c];
-  }
-
-  /** How the load's lead outboard changes the lever of each joint. */
-  private leads(x: Float64Array, z: Float64Array): void {
-    const { inner, leading, crane, mode, n, tip } = this;
-    const [u0, u1] = this.up;
-    const offlead = 2.5 + 1.5 * mode.waveHeight;
-    for (let j = 0; j < inner; j += 1) leading[j] = offlead / Math.max(z[j] + crane.pedestal[2], LEAST_HANG);
-    const { c, s } = this.parent;
-    for (let k = 0; k < n; k += 1) {
-      const lead = this.lead[k];
-      const { turns, sign, link } = this.joints[k];
-      if (k === n - 1) {
-        const [a, b] = [u1 * c - u0 * s, -u1 * s - u0 * c];
-        for (let j = 0, t = 2; j < inner; j += 1, t += 4) lead[j] = leading[j] * (a * tip[t] + b * tip[t + 1]);
-      } else if (turns) {
-        const { x: jx, z: jz } = this.poses[link];
-        const [a, b] = [-sign * u0, -sign * u1];
-        for (let j = 0; j < inner; j += 1) lead[j] = leading[j] * (a * (x[j] - jx) + b * (z[j] - jz));
-      } else {
-        const [dx, dz] = this.byJoint(k, 0, 0);
-        for (let j = 0; j < inner; j += 1) lead[j] = leading[j] * (u1 * dx - u0 * dz);
-      }
-    }
-  }
-
-  /** Add the rope that each joint pulls in; at sea, begin the compliance with that of the rope. */
-  private ropes(z: Float64Array): void {
-    const { inner, n, joints, last, crane, mode, compliance } = this;
-    const share = 1 / (crane.hoist.falls ?? 1);
-    const { EA } = crane.hoist.rope;
-    if (mode.waveHeight > 0)
-      for (let j = 0; j < inner; j += 1) compliance[j] = (Math.max(z[j] + crane.pedestal[2], LEAST_HANG) * share) / EA;
-    for (const item of this.rope) {
-      const moving = item.outerLink === last.link && item.innerLink < last.link;
-      for (let k = 0; k < n; k += 1) {
-        if (joints[k].link > item.outerLink || joints[k].link <= item.innerLink) continue;
-        const plumb = this.plumb[k];
-        const { lever } = this.span(item, k);
-        for (let j = 0; j < inner; j += 1) plumb[j] += lever[j] * share;
-      }
-      if (mode.waveHeight > 0) {
-        const soft = (share * share) / EA;
-        if (moving) {
-          const { length } = this.span(item, n - 1);
-          for (let j = 0; j < inner; j += 1) compliance[j] += length[j] * soft;
-        } else {
-          const still = this.distance(item) * soft;
-          for (let j = 0; j < inner; j += 1) compliance[j] += still;
-        }
-      }
-    }
-  }
-
-  /** Length between two pins that the last joint does not part. */
-  private distance(item: Span): number {
-    const [a, b] = [this.poses[item.outerLink] ?? ORIGIN, this.poses[item.innerLink] ?? ORIGIN];
-    return Math.hypot(
-      pointX(a, item.outer.x, item.outer.z) - pointX(b, item.inner.x, item.inner.z),
-      pointZ(a, item.outer.x, item.outer.z) - pointZ(b, item.inner.x, item.inner.z),
-    );
-  }
-
-  /** Length between two pins, and its derivative by joint k, for each posture of the row; valid until the next call. */
-  private span(item: Span, k: number): Reach {
-    const { inner, scratch, poses, last, n } = this;
-    const { length, lever } = scratch;
-    const base = poses[item.innerLink] ?? ORIGIN;
-    if (item.outerLink < last.link) {
-      const outer = poses[item.outerLink] ?? ORIGIN;
-      const [px, pz] = [pointX(outer, item.outer.x, item.outer.z), pointZ(outer, item.outer.x, item.outer.z)];
-      const distance = this.distance(item);
-      const [dx, dz] = this.byJoint(k, px, pz);
-      const [ex, ez] = [px - pointX(base, item.inner.x, item.inner.z), pz - pointZ(base, item.inner.x, item.inner.z)];
-      length.fill(distance);
-      lever.fill(distance > 0 ? (ex * dx + ez * dz) / distance : 0);
-      return scratch;
-    }
-    if (k === n - 1) return this.byLast(item);
-    const [ix, iz] = [pointX(base, item.inner.x, item.inner.z), pointZ(base, item.inner.x, item.inner.z)];
-    const pin = this.pin(item.outer);
-    const { x: px, z: pz, c, s } = this.parent;
-    for (let j = 0, t = 0; j < inner; j += 1, t += 4) {
-      const [ox, oz] = [px + c * pin[t] - s * pin[t + 1], pz + s * pin[t] + c * pin[t + 1]];
-      const [dx, dz] = this.byJoint(k, ox, oz);
-      const [ex, ez] = [ox - ix, oz - iz];
-      length[j] = Math.sqrt(ex * ex + ez * ez);
-      lever[j] = length[j] > 0 ? (ex * dx + ez * dz) / length[j] : 0;
-    }
-    return scratch;
-  }
-
-  /**
-   * Length and derivative by the last joint of a span whose outer pin is on the last link, for all its coordinates.
-   * Kept from row to row where the inner pin is on the link before: then the joints before have no part in it.
-   */
-  private byLast(item: Span): Reach {
-    const kept = this.reaches.get(item);
-    if (kept) return kept;
-    const fixed = item.innerLink === this.last.link - 1;
-    let [bx, bz] = [item.inner.x, item.inner.z];
-    if (!fixed) {
-      const { x, z, c, s } = this.parent;
-      const base = this.poses[item.innerLink] ?? ORIGIN;
-      const [gx, gz] = [pointX(base, bx, bz) - x, pointZ(base, bx, bz) - z];
-      [bx, bz] = [gx * c + gz * s, gz * c - gx * s];
-    }
-    const pin = this.pin(item.outer);
-    const values = fixed ? reach(this.inner) : this.scratch;
-    for (let j = 0, t = 0; j < this.inner; j += 1, t += 4) {
-      const [ex, ez] = [pin[t] - bx, pin[t + 1] - bz];
-      const length = Math.sqrt(ex * ex + ez * ez);
-      values.length[j] = length;
-      values.lever[j] = length > 0 ? (ex * pin[t + 2] + ez * pin[t + 3]) / length : 0;
-    }
-    if (fixed) this.reaches.set(item, values);
-    return values;
-  }
-
-  /** Let a cylinder or the structure bound what is borne; at sea, add the oil's share of the compliance. */
-  private hold(held: Held, index: number, governs: Uint8Array): void {
-    const { inner, borne, compliance, crane } = this;
-    const [own, plumb, lead] = [this.own[held.joint], this.plumb[held.joint], this.lead[held.joint]];
-    const { low, high } = held;
-    const atSea = this.mode.waveHeight > 0;
-    const { length, lever } = held.cylinder < 0 ? this.unit : this.span(this.cylinders[held.cylinder], held.joint);
-    if (!atSea) {
-      // low <= (own + W plumb) / lever <= high, times the lever, which may be negative: one division instead of three.
-      for (let j = 0; j < inner; j += 1) {
-        const arm = lever[j];
-        const least = arm > 0 ? low * arm : high * arm;
-        const largest = arm > 0 ? high * arm : low * arm;
-        const a = own[j];
-        const b = plumb[j];
-        let most = 0;
-        if (a >= least && a <= largest && arm !== 0)
-          most = b > 0 ? (largest - a) / b : b < 0 ? (least - a) / b : Number.POSITIVE_INFINITY;
-        if (most < borne[j]) {
-          borne[j] = most;
-          governs[j] = index;
-        }
-      }
-      return;
-    }
-    for (let j = 0; j < inner; j += 1) {
-      const arm = lever[j];
-      const bound = arm > 0 ? high * arm : low * arm;
-      const other = arm > 0 ? low * arm : high * arm;
-      const most = arm === 0 ? 0 : between(own[j], plumb[j], plumb[j] - lead[j], other, bound);
-      if (most < borne[j]) {
-        borne[j] = most;
-        governs[j] = index;
-      }
-    }
-    if (held.cylinder < 0) return;
-    const cylinder = crane.cylinders[held.cylinder];
-    const [bore, annulus] = areas(cylinder);
-    const { stroke } = cylinder;
-    const [least, most] = [STROKE_MARGIN * stroke, stroke - STROKE_MARGIN * stroke];
-    const shortest = this.retracted[held.cylinder];
-    for (let j = 0; j < inner; j += 1) {
-      const extension = Math.min(Math.max(length[j] - shortest, least), most);
-      const oil = crane.bulk_modulus * (bore / extension + annulus / (stroke - extension));
-      const ratio = plumb[j] / lever[j];
-      if (Number.isFinite(ratio)) compliance[j] += (ratio * ratio) / oil;
-    }
-  }
-
-  /** The limits of slewing ring, rope and winch; dynamics; the limits that take none; the hook. */
-  private rest(x: Float64Array, z: Float64Array, governs: Uint8Array, load: Float64Array): void {
-    const { inner, borne, massX, massZ, lastMass, leading, compliance, crane, mode } = this;
-    const { hoist, rating } = crane;
-    const [u0, u1] = this.up;
-    const atSea = mode.waveHeight > 0;
-    let index = this.held.length;
-    if (rating?.slew_moment != null) {
-      const moment = rating.slew_moment;
-      let before = 0;
-      for (let i = 0; i < this.last.link; i += 1) {
-        const { com, mass } = crane.links[i];
-        const pose = this.poses[i];
-        before += GRAVITY * mass * (u1 * pointX(pose, com[0], com[2]) - u0 * pointZ(pose, com[0], com[2]));
-      }
-      for (let j = 0; j < inner; j += 1) {
-        const own = before + GRAVITY * lastMass * (u1 * massX[j] - u0 * massZ[j]);
-        const arm = u1 * x[j] - u0 * z[j];
-        const led = atSea ? arm + leading[j] * (u0 * x[j] + u1 * z[j]) : arm;
-        const most = between(own, arm, led, -moment, moment);
-        if (most < borne[j]) {
-          borne[j] = most;
-          governs[j] = index;
-        }
-      }
-      index += 1;
-    }
-    const falls = hoist.falls ?? 1;
-    const carried = falls * reeving(falls, hoist.sheave_efficiency ?? 1);
-    const constants = [
-      hoist.rope.breaking_load == null
-        ? null
-        : (carried * hoist.rope.breaking_load) / (hoist.rope.safety_factor ?? SAFETY_FACTOR),
+    const carried = this.falls * reeving(this.falls, hoist.sheave_efficiency ?? 1);
+    const { breaking_load, safety_factor } = hoist.rope;
+    const bearable = [
+      breaking_load == null ? null : (carried * breaking_load) / (safety_factor ?? SAFETY_FACTOR),
       hoist.line_pull == null ? null : carried * hoist.line_pull,
     ].filter((value) => value !== null);
-    const constant = Math.min(Number.POSITIVE_INFINITY, ...constants);
-    const constantIndex = index + constants.indexOf(constant);
-    index += constants.length;
-    const perBorne = 1 / GRAVITY / (rating?.harbour_factor ?? 1);
-    const moments = rating?.load_moment != null || rating?.heeling_moment != null;
+    this.hoisted = Math.min(Number.POSITIVE_INFINITY, ...bearable);
+    this.hoistedBy = bearable.length ? this.bearers.length + bearable.indexOf(this.hoisted) : 0;
+    this.momentsFrom = this.bearers.length + bearable.length;
+  }
+
+  /** The loads of the row in which the joints stand now. */
+  row(): Capacity {
+    const { rows, crane, bearers, masses, upX, upZ, atSea } = this;
+    const { count } = rows;
+    const last = crane.links.length - 1;
+    const { x, z } = crane.hoist.sheaves[crane.hoist.sheaves.length - 1];
+    const tip = rows.point(last, x, z);
+    fill(count, tip.x, RADIUS);
+    fill(count, tip.z, HEIGHT);
+    for (const fall of this.rope) if (!fall.line.same) this.reeve(fall);
+    if (atSea) this.hang();
+    BORNE.fill(this.hoisted, 0, count);
+    GOVERNS.fill(this.hoistedBy, 0, count);
+    const sums = this.sums();
+    for (let i = 0; i < bearers.length; i += 1) {
+      const { joint, table, same } = bearers[i];
+      if (!same) this.tabulate(bearers[i]);
+      const link = joint === null ? 0 : rows.joints[joint].link;
+      const own = rows.work(joint, sums[link], GRAVITY * upX, GRAVITY * upZ, masses[link]);
+      const plumb = rows.work(joint, tip, upX, upZ);
+      if (atSea) sway(count, table, own, plumb, rows.work(joint, tip, -upZ, upX), i);
+      else bear(count, table, own, plumb, i);
+    }
+    this.lift();
+    return { count, radius: RADIUS, height: HEIGHT, load: LOAD, governs: GOVERNS };
+  }
+
+  /** By link: sum of the masses times places of it and of all that it carries [kg.m]. */
+  private sums(): AlongPoint[] {
+    const { rows, crane } = this;
+    const sums: AlongPoint[] = [];
+    for (let i = crane.links.length - 1; i >= 0; i -= 1) {
+      const { com, mass } = crane.links[i];
+      const before = sums[i + 1] ?? NOWHERE;
+      sums[i] = plus(before, rows.point(i, com[0], com[2]), mass);
+    }
+    return sums;
+  }
+
+  private reeve({ line, length, levers }: Fall): void {
+    this.rows.span(line, length);
+    for (const k of line.joints) this.rows.lever(line, k, length, levers[k]);
+  }
+
+  /** What a bearer's cylinder bears, and what its joint pulls in of the rope. */
+  private tabulate({ joint, ram, table }: Bearer): void {
+    if (ram) {
+      const { line, length, lever, push, pull, bore, annulus, stroke, closed } = ram;
+      const margin = STROKE_MARGIN * stroke;
+      const step = length.length > 1 ? 1 : 0;
+      this.rows.span(line, length);
+      this.rows.lever(line, joint!, length, lever);
+      for (let t = 0, j = 0; t < table.length; t += COLUMNS, j += step) {
+        const arm = lever[j];
+        const extension = Math.min(Math.max(length[j] - closed, margin), stroke - margin);
+        const oil = this.crane.bulk_modulus * (bore / extension + annulus / (stroke - extension));
+        table[t + MIDDLE] = 0.5 * (push - pull) * arm;
+        // without a lever it bears nothing, not even a joint without load
+        table[t + HALF] = arm === 0 ? -1 : 0.5 * (push + pull) * Math.abs(arm);
+        table[t + SOFT] = arm === 0 ? 0 : 1 / (arm * arm * oil);
+      }
+    }
+    for (let t = PULLED; t < table.length; t += COLUMNS) table[t] = 0;
+    if (joint === null) return;
+    for (const { levers } of this.rope) {
+      const lever = levers[joint];
+      if (lever.length === 0) continue;
+      const step = lever.length > 1 ? 1 : 0;
+      for (let t = PULLED, j = 0; t < table.length; t += COLUMNS, j += step) table[t] += lever[j] / this.falls;
+    }
+  }
+
+  /** At sea: the lead of the load, and how the rope gives. */
+  private hang(): void {
+    const { crane, rope, offlead, falls } = this;
+    const { count } = this.rows;
+    const foot = crane.pedestal[2];
+    const perHang = 1 / falls / crane.hoist.rope.EA;
+    const perRope = perHang / falls;
+    let standing = 0;
+    for (const { line, length } of rope) if (!line.runs) standing += length[0];
+    for (let j = 0; j < count; j += 1) {
+      const above = HEIGHT[j] + foot;
+      const hang = above > LEAST_HANG ? above : LEAST_HANG;
+      LEAD[j] = offlead / hang;
+      COMPLIANCE[j] = perHang * hang + perRope * standing;
+    }
+    for (const { line, length } of rope)
+      if (line.runs) for (let j = 0; j < count; j += 1) COMPLIANCE[j] += perRope * length[j];
+  }
+
+  /** What is lifted of what is borne: without its dynamics, within the limits that take none, without the hook. */
+  private lift(): void {
+    const { crane, impact, atSea } = this;
+    const { count } = this.rows;
+    const { rating, hoist, pedestal } = crane;
+    const steady = 1 / GRAVITY / (rating?.harbour_factor ?? 1);
     const hook = hoist.hook_mass ?? 0;
-    const speed = (0.5 * hoist.speed) / falls + meetingSpeed(crane, mode);
-    const loadMoment = rating?.load_moment ?? Number.POSITIVE_INFINITY;
-    const heelingMoment = rating?.heeling_moment ?? Number.POSITIVE_INFINITY;
-    const heelingIndex = rating?.load_moment == null ? index : index + 1;
-    const aside = Math.abs(crane.pedestal[1]);
-    for (let j = 0; j < inner; j += 1) {
-      let most = borne[j];
-      if (constant < most) {
-        most = constant;
-        governs[j] = constantIndex;
-      }
-      let mass = most * perBorne;
-      if (atSea && most < Number.POSITIVE_INFINITY) {
-        const impact = (speed * Math.sqrt(1 / compliance[j])) / GRAVITY;
-        const root = 0.5 * (Math.sqrt(impact * impact + (4 * most) / GRAVITY) - impact);
-        mass = Math.min(mass, root * root);
-      }
-      if (moments) {
-        const reach = Math.max(x[j], 1e-9);
-        const moment = loadMoment / reach / GRAVITY;
-        if (moment < mass) {
-          mass = moment;
-          governs[j] = index;
-        }
-        const heeling = heelingMoment / (reach + aside) / GRAVITY;
-        if (heeling < mass) {
-          mass = heeling;
-          governs[j] = heelingIndex;
-        }
-      }
-      load[j] = mass > hook ? mass - hook : 0;
+    for (let j = 0; j < count; j += 1) LOAD[j] = BORNE[j] * steady;
+    if (atSea) dynamic(count, impact);
+    const { load_moment, heeling_moment } = rating ?? {};
+    const aside = Math.abs(pedestal[1]);
+    if (load_moment != null) within(count, load_moment / GRAVITY, 0, this.momentsFrom);
+    if (heeling_moment != null)
+      within(count, heeling_moment / GRAVITY, aside, this.momentsFrom + (load_moment == null ? 0 : 1));
+    for (let j = 0; j < count; j += 1) LOAD[j] = LOAD[j] > hook ? LOAD[j] - hook : 0;
+  }
+}
+
+const NOWHERE: AlongPoint = { x: { one: 0, u: 0, v: 0 }, z: { one: 0, u: 0, v: 0 } };
+
+function fill(count: number, { one, u, v }: Along, into: Float64Array): void {
+  for (let j = 0; j < count; j += 1) into[j] = one + u * U[j] + v * V[j];
+}
+
+// ---------------------------------------------------------------- the laws, along a row
+// Each ends with the weight that is borne where it is less than what the limits before leave.
+
+/** In harbour: the largest weight with |own + weight load - middle| <= half. */
+function bear(count: number, table: Float64Array, own: Along, load: Along, index: number): void {
+  const { one: a, u: aU, v: aV } = own;
+  const { one: b, u: bU, v: bV } = load;
+  const step = table.length > COLUMNS ? COLUMNS : 0;
+  for (let j = 0, t = 0; j < count; j += 1, t += step) {
+    const half = table[t + HALF];
+    const self = a + aU * U[j] + aV * V[j] - table[t + MIDDLE];
+    const per = 1 / (b + bU * U[j] + bV * V[j] + table[t + PULLED]);
+    const weight = Math.abs(self) > half ? 0 : half * Math.abs(per) - self * per;
+    if (weight < BORNE[j]) {
+      BORNE[j] = weight;
+      GOVERNS[j] = index;
     }
   }
 }
 
-/** The largest W >= 0 with low <= own + W load <= high for both loads; 0 where `own` alone is outside. */
-function between(own: number, first: number, second: number, low: number, high: number): number {
-  if (!(own >= low && own <= high)) return 0;
-  const up = first > second ? first : second;
-  const down = first > second ? second : first;
-  let most = Number.POSITIVE_INFINITY;
-  if (up > 0) most = (high - own) / up;
-  if (down < 0) most = Math.min(most, (low - own) / down);
-  return most > 0 ? most : 0;
+/** At sea the same for the load hanging plumb and led outboard; and what the oil gives. */
+function sway(count: number, table: Float64Array, own: Along, load: Along, led: Along, index: number): void {
+  const { one: a, u: aU, v: aV } = own;
+  const { one: b, u: bU, v: bV } = load;
+  const { one: d, u: dU, v: dV } = led;
+  const step = table.length > COLUMNS ? COLUMNS : 0;
+  for (let j = 0, t = 0; j < count; j += 1, t += step) {
+    const half = table[t + HALF];
+    const self = a + aU * U[j] + aV * V[j] - table[t + MIDDLE];
+    const plumb = b + bU * U[j] + bV * V[j] + table[t + PULLED];
+    const outboard = plumb + LEAD[j] * (d + dU * U[j] + dV * V[j]);
+    const per = 1 / plumb;
+    const other = 1 / outboard;
+    let weight = half * Math.abs(per) - self * per;
+    const led = half * Math.abs(other) - self * other;
+    if (led < weight) weight = led;
+    if (Math.abs(self) > half) weight = 0;
+    COMPLIANCE[j] += plumb * plumb * table[t + SOFT];
+    if (weight < BORNE[j]) {
+      BORNE[j] = weight;
+      GOVERNS[j] = index;
+    }
+  }
+}
+
+/** The mass m with psi m = what is borne, psi = 1 + sqrt(b / m), b = (v_r / g)^2 stiffness. */
+function dynamic(count: number, impact: number): void {
+  for (let j = 0; j < count; j += 1) {
+    const borne = BORNE[j] / GRAVITY;
+    const b = impact / COMPLIANCE[j];
+    const mass = 0.5 * (b + 2 * borne - Math.sqrt(b * (b + 4 * borne)));
+    if (mass < LOAD[j]) LOAD[j] = mass;
+  }
+}
+
+/** A limit to the moment of the load alone [kg.m], about an axis this far behind the slewing axis [m]. */
+function within(count: number, moment: number, aside: number, index: number): void {
+  for (let j = 0; j < count; j += 1) {
+    const mass = moment / ((RADIUS[j] > 1e-9 ? RADIUS[j] : 1e-9) + aside);
+    if (mass < LOAD[j]) {
+      LOAD[j] = mass;
+      GOVERNS[j] = index;
+    }
+  }
 }

@@ -1,6 +1,6 @@
 // The load over the crane's plane as a raster: every posture of a grid, fine enough that none of the reachable cells is
 // missed, brings its load to the cell where its tip is; the best posture of a cell counts.
-import { type Capacity, capacity } from "./loadChart";
+import { type Capacity, sweep } from "./loadChart";
 import { type Crane, type Joint, type Mode, planeJoints } from "./types";
 
 export interface View {
@@ -17,8 +17,6 @@ export interface Section {
   readonly view: View;
   /** By cell, rows from below [kg]; NaN out of reach. */
   readonly load: Float32Array;
-  /** By cell: index of the limit that governs. */
-  readonly governs: Uint8Array;
   /** By cell: index of the best posture, for `posture`. */
   readonly best: Int32Array;
   readonly coordinates: readonly Float64Array[];
@@ -68,45 +66,45 @@ export function postures(crane: Crane, cell: number): Float64Array[] {
 
 /** Buffers that a raster uses again from one drag event to the next. */
 export class Rasteriser {
-  private found: Capacity | undefined;
   private load = new Float32Array(0);
-  private governs = new Uint8Array(0);
   private best = new Int32Array(0);
 
   section(crane: Crane, mode: Mode, view: View): Section {
     const coordinates = postures(crane, view.cell);
-    const found = capacity(crane, coordinates, mode, this.found);
-    this.found = found;
     const cells = view.width * view.height;
     if (this.load.length !== cells) {
       this.load = new Float32Array(cells);
-      this.governs = new Uint8Array(cells);
       this.best = new Int32Array(cells);
     }
-    const { load, governs, best } = this;
+    const { load, best } = this;
     load.fill(Number.NaN);
     best.fill(-1);
-    const { width, height } = view;
-    const scale = 1 / view.cell;
-    const [left, low] = [view.x - 0.5 * view.cell, view.z - 0.5 * view.cell];
-    for (let i = 0; i < found.count; i += 1) {
-      const column = Math.floor((found.radius[i] - left) * scale);
-      const row = Math.floor((found.height[i] - low) * scale);
-      if (column < 0 || column >= width || row < 0 || row >= height) continue;
-      const cell = row * width + column;
-      if (best[cell] < 0 || found.load[i] > load[cell]) {
-        load[cell] = found.load[i];
-        governs[cell] = found.governs[i];
-        best[cell] = i;
-      }
-    }
-    fillHoles(load, governs, best, width, height);
-    return { view, load, governs, best, coordinates, joints: planeJoints(crane).map((joint) => joint.name) };
+    sweep(crane, coordinates, mode, (row, at) => take(row, at, view, load, best));
+    fillHoles(load, best, view);
+    return { view, load, best, coordinates, joints: planeJoints(crane).map((joint) => joint.name) };
+  }
+}
+
+/** Bring the loads of a row to the cells where its tips are. */
+function take(row: Capacity, at: number, view: View, load: Float32Array, best: Int32Array): void {
+  const { radius, height, load: loads } = row;
+  const { width, height: rows } = view;
+  const scale = 1 / view.cell;
+  const [left, low] = [0.5 - view.x * scale, 0.5 - view.z * scale];
+  for (let j = 0; j < row.count; j += 1) {
+    const column = radius[j] * scale + left;
+    const line = height[j] * scale + low;
+    if (!(column >= 0 && column < width && line >= 0 && line < rows)) continue;
+    const cell = (line | 0) * width + (column | 0);
+    // a cell that no posture met holds no number, which is not larger than any
+    if (load[cell] >= loads[j]) continue;
+    load[cell] = loads[j];
+    best[cell] = at + j;
   }
 }
 
 /** A cell that no posture met, with neighbours left and right, or above and below, is like its better neighbour. */
-function fillHoles(load: Float32Array, governs: Uint8Array, best: Int32Array, width: number, height: number): void {
+function fillHoles(load: Float32Array, best: Int32Array, { width, height }: View): void {
   for (let row = 1; row + 1 < height; row += 1)
     for (let cell = row * width + 1; cell + 1 < (row + 1) * width; cell += 1) {
       if (best[cell] >= 0) continue;
@@ -116,7 +114,6 @@ function fillHoles(load: Float32Array, governs: Uint8Array, best: Int32Array, wi
         from = load[cell - width] > load[cell + width] ? cell - width : cell + width;
       if (from < 0) continue;
       load[cell] = load[from];
-      governs[cell] = governs[from];
       best[cell] = best[from];
     }
 }

@@ -4,7 +4,7 @@
 // In a row of postures only the last joint moves. Every moment is then a sum of three terms (see rows.ts), and the lever
 // of a cylinder either stands still or is the same in all rows, so that the laws run over tables.
 import { retracted } from "./plane";
-import { type Along, type AlongPoint, type Line, plus, ROW, Rows, U, V } from "./rows";
+import { Along, AlongPoint, type Line, ROW, Rows, U, V } from "./rows";
 import { type Crane, type Cylinder, GRAVITY, type Mode } from "./types";
 
 const STROKE_MARGIN = 0.01;
@@ -204,6 +204,13 @@ class Lift {
   private readonly momentsFrom: number;
   /** Of a link and all that it carries [kg]. */
   private readonly masses: readonly number[];
+  /** Of a link and all that it carries: masses times places [kg.m]; nothing beyond the last link. */
+  private readonly sums: readonly AlongPoint[];
+  private readonly mass = new AlongPoint();
+  private readonly tip = new AlongPoint();
+  private readonly own = new Along();
+  private readonly plumb = new Along();
+  private readonly led = new Along();
   private readonly offlead: number;
   /** (v_r / g)^2 [s2] */
   private readonly impact: number;
@@ -222,6 +229,7 @@ class Lift {
     this.falls = hoist.falls ?? 1;
     this.offlead = 2.5 + 1.5 * mode.waveHeight;
     this.impact = (((0.5 * hoist.speed) / this.falls + meetingSpeed(crane, mode)) / GRAVITY) ** 2;
+    this.sums = [...links, null].map(() => new AlongPoint());
     this.masses = links.map((_, i) => links.slice(i).reduce((sum, { mass }) => sum + mass, 0));
 
     const path = [hoist.drum, ...hoist.sheaves];
@@ -272,25 +280,24 @@ class Lift {
 
   /** The loads of the row in which the joints stand now. */
   row(): Capacity {
-    const { rows, crane, bearers, masses, upX, upZ, atSea } = this;
+    const { rows, crane, bearers, masses, sums, upX, upZ, atSea, own, plumb, led } = this;
     const { count } = rows;
-    const last = crane.links.length - 1;
     const { x, z } = crane.hoist.sheaves[crane.hoist.sheaves.length - 1];
-    const tip = rows.point(last, x, z);
+    const tip = rows.point(crane.links.length - 1, x, z, this.tip);
     fill(count, tip.x, RADIUS);
     fill(count, tip.z, HEIGHT);
     for (const fall of this.rope) if (!fall.line.same) this.reeve(fall);
     if (atSea) this.hang();
     BORNE.fill(this.hoisted, 0, count);
     GOVERNS.fill(this.hoistedBy, 0, count);
-    const sums = this.sums();
+    this.sum();
     for (let i = 0; i < bearers.length; i += 1) {
       const { joint, table, same } = bearers[i];
       if (!same) this.tabulate(bearers[i]);
       const link = joint === null ? 0 : rows.joints[joint].link;
-      const own = rows.work(joint, sums[link], GRAVITY * upX, GRAVITY * upZ, masses[link]);
-      const plumb = rows.work(joint, tip, upX, upZ);
-      if (atSea) sway(count, table, own, plumb, rows.work(joint, tip, -upZ, upX), i);
+      rows.work(joint, sums[link], GRAVITY * upX, GRAVITY * upZ, masses[link], own);
+      rows.work(joint, tip, upX, upZ, 1, plumb);
+      if (atSea) sway(count, table, own, plumb, rows.work(joint, tip, -upZ, upX, 1, led), i);
       else bear(count, table, own, plumb, i);
     }
     this.lift();
@@ -298,15 +305,12 @@ class Lift {
   }
 
   /** By link: sum of the masses times places of it and of all that it carries [kg.m]. */
-  private sums(): AlongPoint[] {
-    const { rows, crane } = this;
-    const sums: AlongPoint[] = [];
+  private sum(): void {
+    const { rows, crane, sums } = this;
     for (let i = crane.links.length - 1; i >= 0; i -= 1) {
       const { com, mass } = crane.links[i];
-      const before = sums[i + 1] ?? NOWHERE;
-      sums[i] = plus(before, rows.point(i, com[0], com[2]), mass);
+      sums[i].sum(sums[i + 1], rows.point(i, com[0], com[2], this.mass), mass);
     }
-    return sums;
   }
 
   private reeve({ line, length, levers }: Fall): void {
@@ -379,9 +383,10 @@ class Lift {
   }
 }
 
-const NOWHERE: AlongPoint = { x: { one: 0, u: 0, v: 0 }, z: { one: 0, u: 0, v: 0 } };
-
-function fill(count: number, { one, u, v }: Along, into: Float64Array): void {
+function fill(count: number, { terms }: Along, into: Float64Array): void {
+  const one = terms[0];
+  const u = terms[1];
+  const v = terms[2];
   for (let j = 0; j < count; j += 1) into[j] = one + u * U[j] + v * V[j];
 }
 
@@ -390,8 +395,12 @@ function fill(count: number, { one, u, v }: Along, into: Float64Array): void {
 
 /** In harbour: the largest weight with |own + weight load - middle| <= half. */
 function bear(count: number, table: Float64Array, own: Along, load: Along, index: number): void {
-  const { one: a, u: aU, v: aV } = own;
-  const { one: b, u: bU, v: bV } = load;
+  const a = own.terms[0];
+  const aU = own.terms[1];
+  const aV = own.terms[2];
+  const b = load.terms[0];
+  const bU = load.terms[1];
+  const bV = load.terms[2];
   const step = table.length > COLUMNS ? COLUMNS : 0;
   for (let j = 0, t = 0; j < count; j += 1, t += step) {
     const half = table[t + HALF];
@@ -407,9 +416,15 @@ function bear(count: number, table: Float64Array, own: Along, load: Along, index
 
 /** At sea the same for the load hanging plumb and led outboard; and what the oil gives. */
 function sway(count: number, table: Float64Array, own: Along, load: Along, led: Along, index: number): void {
-  const { one: a, u: aU, v: aV } = own;
-  const { one: b, u: bU, v: bV } = load;
-  const { one: d, u: dU, v: dV } = led;
+  const a = own.terms[0];
+  const aU = own.terms[1];
+  const aV = own.terms[2];
+  const b = load.terms[0];
+  const bU = load.terms[1];
+  const bV = load.terms[2];
+  const d = led.terms[0];
+  const dU = led.terms[1];
+  const dV = led.terms[2];
   const step = table.length > COLUMNS ? COLUMNS : 0;
   for (let j = 0, t = 0; j < count; j += 1, t += step) {
     const half = table[t + HALF];

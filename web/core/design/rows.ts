@@ -5,16 +5,31 @@
 import { ORIGIN, type PlaneJoint, type Pose, planar, pointX, pointZ, type Span, span } from "./plane";
 import type { Attachment, Crane } from "./types";
 
-/** A quantity along a row: one + u * U + v * V. */
-export interface Along {
-  readonly one: number;
-  readonly u: number;
-  readonly v: number;
+/** A quantity along a row: one + u U + v V. Mutable, since there are dozens for each row. */
+export class Along {
+  // as a table: numbers in an object would each be allocated anew
+  readonly terms = new Float64Array(3);
+
+  set(one: number, u = 0, v = 0): this {
+    this.terms[0] = one;
+    this.terms[1] = u;
+    this.terms[2] = v;
+    return this;
+  }
 }
 
-export interface AlongPoint {
-  readonly x: Along;
-  readonly z: Along;
+export class AlongPoint {
+  readonly x = new Along();
+  readonly z = new Along();
+
+  /** The first point and a multiple of the other. */
+  sum(first: AlongPoint, other: AlongPoint, times: number): this {
+    for (let i = 0; i < 3; i += 1) {
+      this.x.terms[i] = first.x.terms[i] + times * other.x.terms[i];
+      this.z.terms[i] = first.z.terms[i] + times * other.z.terms[i];
+    }
+    return this;
+  }
 }
 
 /** A free length between two pins, a cylinder or a rope, and the joints of the plane between them. */
@@ -45,6 +60,11 @@ export class Rows {
   private readonly s: Float64Array;
   /** Of the links; the last one as at zero of its joint. */
   private readonly poses: readonly Pose[];
+  private readonly outer = new AlongPoint();
+  private readonly inner = new AlongPoint();
+  private readonly gap = new AlongPoint();
+  private readonly byX = new Along();
+  private readonly byZ = new Along();
 
   constructor(
     private readonly crane: Crane,
@@ -102,41 +122,45 @@ export class Rows {
   }
 
   /** A point of a link, of the last one or another. */
-  point(link: number, x: number, z: number): AlongPoint {
-    const pose = this.poses[link] ?? ORIGIN;
+  point(link: number, x: number, z: number, into: AlongPoint): AlongPoint {
+    const pose = link < 0 ? ORIGIN : this.poses[link];
     const { link: last, turns, slideX, slideZ } = this.last;
-    if (link < last) return { x: still(pointX(pose, x, z)), z: still(pointZ(pose, x, z)) };
     const a = x * pose.c - z * pose.s;
     const b = x * pose.s + z * pose.c;
-    if (turns) return { x: { one: pose.x, u: a, v: -b }, z: { one: pose.z, u: b, v: a } };
-    return {
-      x: { one: pose.x + a, u: slideX * pose.c - slideZ * pose.s, v: 0 },
-      z: { one: pose.z + b, u: slideX * pose.s + slideZ * pose.c, v: 0 },
-    };
+    if (link < last) {
+      into.x.set(pose.x + a);
+      into.z.set(pose.z + b);
+    } else if (turns) {
+      into.x.set(pose.x, a, -b);
+      into.z.set(pose.z, b, a);
+    } else {
+      into.x.set(pose.x + a, slideX * pose.c - slideZ * pose.s);
+      into.z.set(pose.z + b, slideX * pose.s + slideZ * pose.c);
+    }
+    return into;
   }
 
   /**
    * What a force (fx, fz) on each of `times` points with this sum does on joint k, by virtual work: its moment about a
    * revolute joint, or about the slewing axis in the foot (null); its component along a slide.
    */
-  work(k: number | null, { x, z }: AlongPoint, fx: number, fz: number, times = 1): Along {
-    if (k === null) return { one: fz * x.one - fx * z.one, u: fz * x.u - fx * z.u, v: fz * x.v - fx * z.v };
+  work(k: number | null, { x, z }: AlongPoint, fx: number, fz: number, times: number, into: Along): Along {
+    const one = fz * x.terms[0] - fx * z.terms[0];
+    const u = fz * x.terms[1] - fx * z.terms[1];
+    const v = fz * x.terms[2] - fx * z.terms[2];
+    if (k === null) return into.set(one, u, v);
     const { link, turns, sign, slideX, slideZ } = this.joints[k];
     const { x: jx, z: jz, c, s } = this.poses[link];
-    if (!turns) return still(times * (fx * (slideX * c - slideZ * s) + fz * (slideX * s + slideZ * c)));
-    return {
-      one: sign * (fz * (x.one - times * jx) - fx * (z.one - times * jz)),
-      u: sign * (fz * x.u - fx * z.u),
-      v: sign * (fz * x.v - fx * z.v),
-    };
+    if (!turns) return into.set(times * (fx * (slideX * c - slideZ * s) + fz * (slideX * s + slideZ * c)));
+    return into.set(sign * (one - times * (fz * jx - fx * jz)), sign * u, sign * v);
   }
 
   /** Length of a line [m] in the first `into.length` postures. */
   span(line: Line, into: Float64Array): void {
     const { x, z } = this.parted(line);
     for (let j = 0; j < into.length; j += 1) {
-      const ex = x.one + x.u * U[j] + x.v * V[j];
-      const ez = z.one + z.u * U[j] + z.v * V[j];
+      const ex = at(x, j);
+      const ez = at(z, j);
       into[j] = Math.sqrt(ex * ex + ez * ez);
     }
   }
@@ -144,30 +168,20 @@ export class Rows {
   /** Derivative of that length by joint k [m/rad, or 1]. */
   lever(line: Line, k: number, length: Float64Array, into: Float64Array): void {
     const { x, z } = this.parted(line);
-    const outer = this.point(line.outerLink, line.outer.x, line.outer.z);
-    const byX = this.work(k, outer, 1, 0);
-    const byZ = this.work(k, outer, 0, 1);
-    for (let j = 0; j < into.length; j += 1) {
-      const alongX = (x.one + x.u * U[j] + x.v * V[j]) * (byX.one + byX.u * U[j] + byX.v * V[j]);
-      const alongZ = (z.one + z.u * U[j] + z.v * V[j]) * (byZ.one + byZ.u * U[j] + byZ.v * V[j]);
-      into[j] = length[j] > 0 ? (alongX + alongZ) / length[j] : 0;
-    }
+    const byX = this.work(k, this.outer, 1, 0, 1, this.byX);
+    const byZ = this.work(k, this.outer, 0, 1, 1, this.byZ);
+    for (let j = 0; j < into.length; j += 1)
+      into[j] = length[j] > 0 ? (at(x, j) * at(byX, j) + at(z, j) * at(byZ, j)) / length[j] : 0;
   }
 
   /** From the inner pin of a line to its outer one. */
   private parted({ outerLink, outer, innerLink, inner }: Line): AlongPoint {
-    return plus(this.point(outerLink, outer.x, outer.z), this.point(innerLink, inner.x, inner.z), -1);
+    this.point(outerLink, outer.x, outer.z, this.outer);
+    this.point(innerLink, inner.x, inner.z, this.inner);
+    return this.gap.sum(this.outer, this.inner, -1);
   }
 }
 
-/** The first point and a multiple of the other. */
-export function plus(first: AlongPoint, { x, z }: AlongPoint, times: number): AlongPoint {
-  return {
-    x: { one: first.x.one + times * x.one, u: first.x.u + times * x.u, v: first.x.v + times * x.v },
-    z: { one: first.z.one + times * z.one, u: first.z.u + times * z.u, v: first.z.v + times * z.v },
-  };
-}
-
-function still(one: number): Along {
-  return { one, u: 0, v: 0 };
+function at({ terms }: Along, j: number): number {
+  return terms[0] + terms[1] * U[j] + terms[2] * V[j];
 }

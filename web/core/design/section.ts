@@ -17,13 +17,18 @@ export interface Section {
   readonly view: View;
   /** By cell, rows from below [kg]; NaN out of reach. */
   readonly load: Float32Array;
-  /** By cell: index of the best posture, for `posture`. */
-  readonly best: Int32Array;
+  /** By cell: load and index of the best posture in one number, for `postureAt`; negative out of reach. */
+  readonly best: Float64Array;
   readonly coordinates: readonly Float64Array[];
   readonly joints: readonly string[];
 }
 
 const MOST_POSTURES = 1_000_000;
+
+// The load in 1/64 kg and the index of its posture share a number, so that the better of two postures is the larger number.
+const INDICES = 2 ** 24;
+const PER_KILOGRAM = 64;
+const LARGEST = 2 ** 29 - 1;
 
 /** Coordinates of a joint, so close that the tip, `arm` metres away, moves by less than a cell. */
 function spread(joint: Joint, arm: number, cell: number, least: number, most: number): Float64Array {
@@ -67,54 +72,52 @@ export function postures(crane: Crane, cell: number): Float64Array[] {
 /** Buffers that a raster uses again from one drag event to the next. */
 export class Rasteriser {
   private load = new Float32Array(0);
-  private best = new Int32Array(0);
+  private best = new Float64Array(0);
 
   section(crane: Crane, mode: Mode, view: View): Section {
     const coordinates = postures(crane, view.cell);
     const cells = view.width * view.height;
     if (this.load.length !== cells) {
       this.load = new Float32Array(cells);
-      this.best = new Int32Array(cells);
+      this.best = new Float64Array(cells);
     }
     const { load, best } = this;
-    load.fill(Number.NaN);
     best.fill(-1);
-    sweep(crane, coordinates, mode, (row, at) => take(row, at, view, load, best));
-    fillHoles(load, best, view);
+    sweep(crane, coordinates, mode, (row, at) => take(row, at, view, best));
+    fillHoles(best, view);
+    for (let cell = 0; cell < cells; cell += 1) load[cell] = loadOf(best[cell]);
     return { view, load, best, coordinates, joints: planeJoints(crane).map((joint) => joint.name) };
   }
 }
 
 /** Bring the loads of a row to the cells where its tips are. */
-function take(row: Capacity, at: number, view: View, load: Float32Array, best: Int32Array): void {
-  const { radius, height, load: loads } = row;
-  const { width, height: rows } = view;
-  const scale = 1 / view.cell;
-  const [left, low] = [0.5 - view.x * scale, 0.5 - view.z * scale];
-  for (let j = 0; j < row.count; j += 1) {
+function take({ count, radius, height, load }: Capacity, at: number, view: View, best: Float64Array): void {
+  const { width, height: lines, x, z, cell } = view;
+  const scale = 1 / cell;
+  const [left, low] = [0.5 - x * scale, 0.5 - z * scale];
+  for (let j = 0; j < count; j += 1) {
     const column = radius[j] * scale + left;
     const line = height[j] * scale + low;
-    if (!(column >= 0 && column < width && line >= 0 && line < rows)) continue;
-    const cell = (line | 0) * width + (column | 0);
-    // a cell that no posture met holds no number, which is not larger than any
-    if (load[cell] >= loads[j]) continue;
-    load[cell] = loads[j];
-    best[cell] = at + j;
+    if (!(column >= 0 && column < width && line >= 0 && line < lines)) continue;
+    const to = (line | 0) * width + (column | 0);
+    const weight = load[j] * PER_KILOGRAM;
+    const value = (weight < LARGEST ? Math.floor(weight) : LARGEST) * INDICES + at + j;
+    best[to] = Math.max(best[to], value);
   }
 }
 
+function loadOf(best: number): number {
+  return best < 0 ? Number.NaN : Math.floor(best / INDICES) / PER_KILOGRAM;
+}
+
 /** A cell that no posture met, with neighbours left and right, or above and below, is like its better neighbour. */
-function fillHoles(load: Float32Array, best: Int32Array, { width, height }: View): void {
+function fillHoles(best: Float64Array, { width, height }: View): void {
   for (let row = 1; row + 1 < height; row += 1)
     for (let cell = row * width + 1; cell + 1 < (row + 1) * width; cell += 1) {
       if (best[cell] >= 0) continue;
-      let from = -1;
-      if (best[cell - 1] >= 0 && best[cell + 1] >= 0) from = load[cell - 1] > load[cell + 1] ? cell - 1 : cell + 1;
+      if (best[cell - 1] >= 0 && best[cell + 1] >= 0) best[cell] = Math.max(best[cell - 1], best[cell + 1]);
       else if (best[cell - width] >= 0 && best[cell + width] >= 0)
-        from = load[cell - width] > load[cell + width] ? cell - width : cell + width;
-      if (from < 0) continue;
-      load[cell] = load[from];
-      best[cell] = best[from];
+        best[cell] = Math.max(best[cell - width], best[cell + width]);
     }
 }
 
@@ -124,8 +127,9 @@ export function postureAt(section: Section, x: number, z: number): Record<string
   const column = Math.round((x - view.x) / view.cell);
   const row = Math.round((z - view.z) / view.cell);
   if (column < 0 || column >= view.width || row < 0 || row >= view.height) return null;
-  let index = best[row * view.width + column];
-  if (index < 0) return null;
+  const value = best[row * view.width + column];
+  if (value < 0) return null;
+  let index = value % INDICES;
   const posture: Record<string, number> = {};
   for (let k = joints.length - 1; k >= 0; k -= 1) {
     const count = coordinates[k].length;

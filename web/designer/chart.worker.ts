@@ -1,6 +1,6 @@
 // Load charts off the page's thread: a section painted, curves, the verdict on a point. One answer to each request.
 import { type Curve, curve, type Verdict, verdict } from "../core/design/curve";
-import { contourStep, paint, postureAt, Rasteriser, type Section, type View } from "../core/design/section";
+import { contourStep, paint, postureAt, Rasteriser, type Section, size, type View } from "../core/design/section";
 import { type Crane, HARBOUR, type Mode, modes } from "../core/design/types";
 import { type Reach, reach } from "../core/design/volume";
 import { type Label, labels, scaleEnd } from "./section/contours";
@@ -13,6 +13,7 @@ export type Request =
       readonly view: View;
       readonly pixels?: ArrayBuffer;
     }
+  | { readonly kind: "refined"; readonly pixels?: ArrayBuffer }
   | { readonly kind: "point"; readonly x: number; readonly z: number }
   | {
       readonly kind: "posture";
@@ -32,6 +33,8 @@ export interface Painted {
   readonly step: number;
   readonly labels: readonly Label[];
   readonly postures: number;
+  /** Whether `refined` would add nothing. */
+  readonly complete: boolean;
   /** Computing and painting [ms]. */
   readonly took: number;
 }
@@ -42,17 +45,35 @@ export interface Found extends Verdict {
 
 export interface Answers {
   section: Painted;
+  /** The section last asked for with more postures, a step of many; null if there is none. */
+  refined: Painted | null;
   point: Found | null;
   posture: Verdict;
   curves: readonly Curve[];
   reach: Reach;
 }
 
+/** Time that a step of refining takes [ms]: no drag waits for longer. */
+const REFINING = 30;
+
 const rasteriser = new Rasteriser();
 let last: { crane: Crane; mode: Mode; section: Section } | null = null;
 
 function modeOf(crane: Crane, name: string): Mode {
   return modes(crane).find((mode) => mode.name === name) ?? HARBOUR;
+}
+
+/** A section with its colours, in `kept` if that fits. */
+function painted(section: Section, kept: ArrayBuffer | undefined, begun: number): Painted {
+  const { view, grids, complete } = section;
+  const most = scaleEnd(section.load);
+  const step = contourStep(most);
+  const bytes = 4 * view.width * view.height;
+  const pixels = kept?.byteLength === bytes ? kept : new ArrayBuffer(bytes);
+  paint(section, most, step, new Uint8ClampedArray(pixels));
+  const marks = labels(section, step, most);
+  const postures = grids.reduce((sum, grid) => sum + size(grid), 0);
+  return { view, pixels, most, step, labels: marks, postures, complete, took: performance.now() - begun };
 }
 
 function answer(request: Request): Answers[Request["kind"]] {
@@ -62,14 +83,14 @@ function answer(request: Request): Answers[Request["kind"]] {
       const mode = modeOf(request.crane, request.mode);
       const section = rasteriser.section(request.crane, mode, request.view);
       last = { crane: request.crane, mode, section };
-      const most = scaleEnd(section.load);
-      const step = contourStep(most);
-      const bytes = 4 * request.view.width * request.view.height;
-      const pixels = request.pixels?.byteLength === bytes ? request.pixels : new ArrayBuffer(bytes);
-      paint(section, most, step, new Uint8ClampedArray(pixels));
-      const marks = labels(section, step, most);
-      const postures = section.coordinates.reduce((product, values) => product * values.length, 1);
-      return { view: request.view, pixels, most, step, labels: marks, postures, took: performance.now() - begun };
+      return painted(section, request.pixels, begun);
+    }
+    case "refined": {
+      const begun = performance.now();
+      if (!last) return null;
+      const section = rasteriser.refined(last.crane, last.mode, last.section.view, REFINING);
+      last = { ...last, section };
+      return painted(section, request.pixels, begun);
     }
     case "point": {
       const posture = last && postureAt(last.section, request.x, request.z);
@@ -84,10 +105,14 @@ function answer(request: Request): Answers[Request["kind"]] {
   }
 }
 
+function pixelsOf(value: Painted | null): ArrayBuffer[] {
+  return value ? [value.pixels] : [];
+}
+
 self.onmessage = ({ data }: MessageEvent<Request>) => {
   try {
     const value = answer(data);
-    const transfer = data.kind === "section" ? [(value as Painted).pixels] : [];
+    const transfer = data.kind === "section" || data.kind === "refined" ? pixelsOf(value as Painted | null) : [];
     self.postMessage({ value }, { transfer });
   } catch (error) {
     self.postMessage({ error: error instanceof Error ? error.message : String(error) });

@@ -46,7 +46,7 @@ export class Charts {
     const item = this.waiting.shift();
     if (!item) return;
     this.busy = item;
-    const pixels = item.request.kind === "section" ? item.request.pixels : undefined;
+    const pixels = "pixels" in item.request ? item.request.pixels : undefined;
     this.worker.postMessage(item.request, pixels ? [pixels] : []);
   }
 }

@@ -105,19 +105,25 @@ export function sweep(
   mode: Mode,
   visit: (row: Capacity, at: number) => void,
 ): void {
-  const outer = coordinates.slice(0, -1);
-  const last = Array.from(coordinates[coordinates.length - 1] ?? []);
+  if (coordinates.length === 0 || coordinates.some((values) => values.length === 0)) return;
+  // rows along the last joint that has more than one coordinate
+  const single = coordinates.map((values) => values.length === 1);
+  const runs = Math.max(0, single.lastIndexOf(false));
+  const running = Array.from(coordinates[runs]);
+  const outer = coordinates.slice(0, runs);
   const standing = outer.reduce((product, values) => product * values.length, 1);
-  const pieces = Math.ceil(last.length / ROW);
+  const pieces = Math.ceil(running.length / ROW);
   for (let piece = 0; piece < pieces; piece += 1) {
-    const from = Math.floor((piece * last.length) / pieces);
-    const rows = new Rows(crane, last.slice(from, Math.floor(((piece + 1) * last.length) / pieces)));
+    const from = Math.floor((piece * running.length) / pieces);
+    const to = Math.floor(((piece + 1) * running.length) / pieces);
+    const rows = new Rows(crane, runs, running.slice(from, to));
+    for (const [k, values] of coordinates.entries()) if (k !== runs) rows.stand(k, values[0]);
+    rows.pose();
     const lift = new Lift(crane, rows, mode);
     const index = outer.map(() => 0);
-    outer.forEach((values, k) => rows.stand(k, values[0]));
     for (let row = 0; row < standing; row += 1) {
       rows.pose();
-      visit(lift.row(), row * last.length + from);
+      visit(lift.row(), row * running.length + from);
       for (let k = outer.length - 1; k >= 0; k -= 1) {
         index[k] = (index[k] + 1) % outer[k].length;
         rows.stand(k, outer[k][index[k]]);

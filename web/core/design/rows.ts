@@ -1,7 +1,7 @@
-// A crane's plane along rows of postures: the last joint of the plane runs through its coordinates, the others stand.
+// A crane's plane along rows of postures: one joint of the plane runs through its coordinates, the others stand.
 //
-// A point of the last link then is at one + u cos(q) + v sin(q), with coefficients of the row; on a slide, at one + u q.
-// So is the moment of a force on it about any joint: a posture costs no trigonometry.
+// A point beyond the running joint then is at one + u cos(q) + v sin(q), with coefficients of the row; on a slide, at
+// one + u q. So is the moment of a force on it about any joint: a posture costs no trigonometry.
 import { ORIGIN, type PlaneJoint, type Pose, planar, pointX, pointZ, type Span, span } from "./plane";
 import type { Attachment, Crane } from "./types";
 
@@ -52,31 +52,33 @@ export const V = new Float64Array(ROW);
 export class Rows {
   readonly joints: readonly PlaneJoint[];
   readonly count: number;
-  private readonly last: PlaneJoint;
+  private readonly running: PlaneJoint;
   private readonly places: readonly { readonly k: number; readonly x: number; readonly z: number }[];
   /** Of the standing joints: coordinate, cosine and sine. */
   private readonly q: Float64Array;
   private readonly c: Float64Array;
   private readonly s: Float64Array;
-  /** Of the links; the last one as at zero of its joint. */
+  /** Of the links, with the running joint at zero. */
   private readonly poses: readonly Pose[];
   private readonly outer = new AlongPoint();
   private readonly inner = new AlongPoint();
   private readonly gap = new AlongPoint();
+  private readonly axis = new AlongPoint();
   private readonly byX = new Along();
   private readonly byZ = new Along();
 
   constructor(
     private readonly crane: Crane,
-    running: ArrayLike<number>,
+    private readonly runs: number,
+    coordinates: ArrayLike<number>,
   ) {
     this.joints = planar(crane);
-    this.last = this.joints[this.joints.length - 1];
-    const { turns, sign } = this.last;
-    this.count = running.length;
-    for (let j = 0; j < running.length; j += 1) {
-      U[j] = turns ? Math.cos(running[j]) : running[j];
-      V[j] = turns ? Math.sin(running[j]) * sign : 0;
+    this.running = this.joints[runs];
+    const { turns, sign } = this.running;
+    this.count = coordinates.length;
+    for (let j = 0; j < this.count; j += 1) {
+      U[j] = turns ? Math.cos(coordinates[j]) : coordinates[j];
+      V[j] = turns ? Math.sin(coordinates[j]) * sign : 0;
     }
     this.places = crane.links.map(({ joint: { origin } }, i) => {
       return { k: this.joints.findIndex(({ link }) => link === i), x: origin[0], z: origin[2] };
@@ -88,7 +90,7 @@ export class Rows {
     this.pose();
   }
 
-  /** Put a joint before the running one to a coordinate. */
+  /** Put another joint than the running one to a coordinate. */
   stand(k: number, q: number): void {
     this.q[k] = q;
     this.c[k] = Math.cos(q);
@@ -117,25 +119,26 @@ export class Rows {
   line(a: Attachment, b: Attachment): Line {
     const item = span(this.crane, a, b);
     const joints = this.joints.flatMap(({ link }, k) => (item.innerLink < link && link <= item.outerLink ? [k] : []));
-    const runs = joints.includes(this.joints.length - 1);
+    const runs = joints.includes(this.runs);
     return { ...item, joints, runs, same: runs && joints.length === 1 };
   }
 
-  /** A point of a link, of the last one or another. */
+  /** A point of a link. */
   point(link: number, x: number, z: number, into: AlongPoint): AlongPoint {
     const pose = link < 0 ? ORIGIN : this.poses[link];
-    const { link: last, turns, slideX, slideZ } = this.last;
-    const a = x * pose.c - z * pose.s;
-    const b = x * pose.s + z * pose.c;
-    if (link < last) {
-      into.x.set(pose.x + a);
-      into.z.set(pose.z + b);
+    const px = pointX(pose, x, z);
+    const pz = pointZ(pose, x, z);
+    const { link: first, turns, slideX, slideZ } = this.running;
+    const axis = this.poses[first];
+    if (link < first) {
+      into.x.set(px);
+      into.z.set(pz);
     } else if (turns) {
-      into.x.set(pose.x, a, -b);
-      into.z.set(pose.z, b, a);
+      into.x.set(axis.x, px - axis.x, axis.z - pz);
+      into.z.set(axis.z, pz - axis.z, px - axis.x);
     } else {
-      into.x.set(pose.x + a, slideX * pose.c - slideZ * pose.s);
-      into.z.set(pose.z + b, slideX * pose.s + slideZ * pose.c);
+      into.x.set(px, slideX * axis.c - slideZ * axis.s);
+      into.z.set(pz, slideX * axis.s + slideZ * axis.c);
     }
     return into;
   }
@@ -145,14 +148,24 @@ export class Rows {
    * revolute joint, or about the slewing axis in the foot (null); its component along a slide.
    */
   work(k: number | null, { x, z }: AlongPoint, fx: number, fz: number, times: number, into: Along): Along {
-    const one = fz * x.terms[0] - fx * z.terms[0];
-    const u = fz * x.terms[1] - fx * z.terms[1];
-    const v = fz * x.terms[2] - fx * z.terms[2];
-    if (k === null) return into.set(one, u, v);
-    const { link, turns, sign, slideX, slideZ } = this.joints[k];
-    const { x: jx, z: jz, c, s } = this.poses[link];
-    if (!turns) return into.set(times * (fx * (slideX * c - slideZ * s) + fz * (slideX * s + slideZ * c)));
-    return into.set(sign * (one - times * (fz * jx - fx * jz)), sign * u, sign * v);
+    if (k !== null && !this.joints[k].turns) return this.slid(k, times * fx, times * fz, into);
+    const sign = k === null ? 1 : this.joints[k].sign;
+    const share = k === null ? 0 : times;
+    const about = this.point(k === null ? -1 : this.joints[k].link, 0, 0, this.axis);
+    for (let i = 0; i < 3; i += 1)
+      into.terms[i] =
+        sign * (fz * (x.terms[i] - share * about.x.terms[i]) - fx * (z.terms[i] - share * about.z.terms[i]));
+    return into;
+  }
+
+  /** The component of a force along the slide of joint k, which turns with the running joint if that is before it. */
+  private slid(k: number, fx: number, fz: number, into: Along): Along {
+    const { link, slideX, slideZ } = this.joints[k];
+    const { c, s } = this.poses[link];
+    const dx = slideX * c - slideZ * s;
+    const dz = slideX * s + slideZ * c;
+    if (k > this.runs && this.running.turns) return into.set(0, fx * dx + fz * dz, fz * dx - fx * dz);
+    return into.set(fx * dx + fz * dz);
   }
 
   /** Length of a line [m] in the first `into.length` postures. */

@@ -1,5 +1,6 @@
 // The load over the crane's plane as a raster: every posture of a grid, fine enough that none of the reachable cells is
-// missed, brings its load to the cell where its tip is; the best posture of a cell counts.
+// missed, brings its load to the cell where its tip is; the best posture of a cell counts. Where more than two joints leave
+// a choice of postures to each point, further grids fill in between, best done while nobody drags.
 import { type Capacity, sweep } from "./loadChart";
 import { type Crane, type Joint, type Mode, planeJoints } from "./types";
 
@@ -19,16 +20,22 @@ export interface Section {
   readonly load: Float32Array;
   /** By cell: load and index of the best posture in one number, for `postureAt`; negative out of reach. */
   readonly best: Float64Array;
-  readonly coordinates: readonly Float64Array[];
+  /** The grids of postures, one index running through all of them. */
+  readonly grids: readonly Grid[];
   readonly joints: readonly string[];
+  /** Whether no further postures would be looked at. */
+  readonly complete: boolean;
 }
+
+/** Coordinates of each joint of the plane [rad, m]. */
+export type Grid = readonly ArrayLike<number>[];
 
 const MOST_POSTURES = 1_000_000;
 
-// The load in 1/64 kg and the index of its posture share a number, so that the better of two postures is the larger number.
-const INDICES = 2 ** 24;
-const PER_KILOGRAM = 64;
-const LARGEST = 2 ** 29 - 1;
+// The load in 1/32 kg and the index of its posture share a number, so that the better of two postures is the larger number.
+const INDICES = 2 ** 25;
+const PER_KILOGRAM = 32;
+const LARGEST = 2 ** 28 - 1;
 
 /** Coordinates of a joint, so close that the tip, `arm` metres away, moves by less than a cell. */
 function spread(joint: Joint, arm: number, cell: number, least: number, most: number): Float64Array {
@@ -54,39 +61,117 @@ export function arms(crane: Crane): number[] {
   });
 }
 
-/** The grid of postures for a raster: fine in the last two joints, coarser in those before. */
-export function postures(crane: Crane, cell: number): Float64Array[] {
-  const joints = planeJoints(crane);
+function finest(crane: Crane, cell: number): Float64Array[] {
   const reach = arms(crane);
-  const fine = joints.map((joint, k) => spread(joint, reach[k], cell, 2, 1200));
-  const product = () => fine.reduce((count, values) => count * values.length, 1);
-  for (let k = 0; k < joints.length && product() > MOST_POSTURES; k += 1) {
-    const others = product() / fine[k].length;
+  return planeJoints(crane).map((joint, k) => spread(joint, reach[k], cell, 2, 1200));
+}
+
+/** The grid of postures for a raster: fine in the last two joints, coarser in those before. */
+export function postures(crane: Crane, cell: number, atMost = MOST_POSTURES): Float64Array[] {
+  const joints = planeJoints(crane);
+  const fine = finest(crane, cell);
+  for (let k = 0; k < joints.length && size(fine) > atMost; k += 1) {
+    const others = size(fine) / fine[k].length;
     const least = k < joints.length - 2 ? 9 : 64;
-    const most = Math.max(least, Math.floor(MOST_POSTURES / others));
+    const most = Math.max(least, Math.floor(atMost / others));
     if (fine[k].length > most) fine[k] = spread(joints[k], Number.POSITIVE_INFINITY, cell, most, most);
   }
   return fine;
+}
+
+// Three joints leave a choice of postures for each point. The best one is where a joint is at its end, or where two limits
+// bind at once, which coordinates far apart miss by up to a third of the load.
+
+/** Of three joints: either of the last two at its ends, the others fine. */
+function ends(crane: Crane, cell: number): Grid[] {
+  const joints = planeJoints(crane);
+  if (joints.length !== 3) return [];
+  const fine = finest(crane, LOOSE * cell);
+  return [1, 2].flatMap((k) => (joints[k].limits ?? []).map((end) => fine.map((all, i) => (i === k ? [end] : all))));
+}
+
+/** Of three joints and more: ever more coordinates of those before the last two, between all before (Halton's sequence). */
+function* layers(crane: Crane, cell: number): Generator<Grid> {
+  const joints = planeJoints(crane);
+  const chosen = joints.length - 2;
+  if (chosen < 1) return;
+  const fine = finest(crane, LOOSE * cell);
+  for (let layer = 1; layer <= LAYERS; layer += 1)
+    yield fine.map((all, k) => {
+      const [low, high] = joints[k].limits ?? [0, 0];
+      return k < chosen ? [low + (high - low) * radicalInverse(layer, PRIMES[k % PRIMES.length])] : all;
+    });
+}
+
+const LAYERS = 96;
+const PRIMES = [2, 3, 5, 7, 11, 13];
+/** Wider apart than in a grid that is alone: many of them leave no cell out. */
+const LOOSE = 1.25;
+
+/** The digits of a number behind the point: 1, 2, 3, 4 in base 2 give 1/2, 1/4, 3/4, 1/8. */
+function radicalInverse(value: number, base: number): number {
+  let result = 0;
+  for (let rest = value, part = 1 / base; rest > 0; rest = Math.floor(rest / base), part /= base)
+    result += (rest % base) * part;
+  return result;
+}
+
+/** How many postures a grid has. */
+export function size(grid: Grid): number {
+  return grid.reduce((product, values) => product * values.length, 1);
 }
 
 /** Buffers that a raster uses again from one drag event to the next. */
 export class Rasteriser {
   private load = new Float32Array(0);
   private best = new Float64Array(0);
+  private filled: readonly number[] = [];
+  private grids: Grid[] = [];
+  private swept = 0;
+  private further: Iterator<Grid> = [].values();
 
   section(crane: Crane, mode: Mode, view: View): Section {
-    const coordinates = postures(crane, view.cell);
     const cells = view.width * view.height;
     if (this.load.length !== cells) {
       this.load = new Float32Array(cells);
       this.best = new Float64Array(cells);
     }
+    this.best.fill(-1);
+    this.filled = [];
+    this.grids = [];
+    this.swept = 0;
+    this.further = layers(crane, view.cell);
+    for (const grid of ends(crane, view.cell)) this.sweep(crane, mode, view, grid);
+    const left = Math.max(MOST_POSTURES - this.swept, MOST_POSTURES / 4);
+    this.sweep(crane, mode, view, postures(crane, view.cell, left));
+    return this.finished(crane, view, planeJoints(crane).length < 3);
+  }
+
+  /** The same section with more postures, as many as take about `milliseconds`. */
+  refined(crane: Crane, mode: Mode, view: View, milliseconds: number): Section {
+    for (const cell of this.filled) this.best[cell] = -1;
+    const end = performance.now() + milliseconds;
+    let complete = false;
+    while (!complete && performance.now() < end) {
+      const next = this.further.next();
+      complete = next.done === true || this.swept + size(next.value) > INDICES;
+      if (!complete) this.sweep(crane, mode, view, next.value);
+    }
+    return this.finished(crane, view, complete);
+  }
+
+  private sweep(crane: Crane, mode: Mode, view: View, grid: Grid): void {
+    const { swept, best } = this;
+    sweep(crane, grid, mode, (row, at) => take(row, swept + at, view, best));
+    this.grids.push(grid);
+    this.swept += size(grid);
+  }
+
+  private finished(crane: Crane, view: View, complete: boolean): Section {
     const { load, best } = this;
-    best.fill(-1);
-    sweep(crane, coordinates, mode, (row, at) => take(row, at, view, best));
-    fillHoles(best, view);
-    for (let cell = 0; cell < cells; cell += 1) load[cell] = loadOf(best[cell]);
-    return { view, load, best, coordinates, joints: planeJoints(crane).map((joint) => joint.name) };
+    this.filled = fillHoles(best, view);
+    for (let cell = 0; cell < load.length; cell += 1) load[cell] = loadOf(best[cell]);
+    return { view, load, best, grids: this.grids, joints: planeJoints(crane).map((joint) => joint.name), complete };
   }
 }
 
@@ -110,30 +195,43 @@ function loadOf(best: number): number {
   return best < 0 ? Number.NaN : Math.floor(best / INDICES) / PER_KILOGRAM;
 }
 
-/** A cell that no posture met, with neighbours left and right, or above and below, is like its better neighbour. */
-function fillHoles(best: Float64Array, { width, height }: View): void {
+/** Lets a cell that no posture met, between two others, be like the better one. Which cells those are. */
+function fillHoles(best: Float64Array, { width, height }: View): number[] {
+  const filled: number[] = [];
   for (let row = 1; row + 1 < height; row += 1)
     for (let cell = row * width + 1; cell + 1 < (row + 1) * width; cell += 1) {
       if (best[cell] >= 0) continue;
-      if (best[cell - 1] >= 0 && best[cell + 1] >= 0) best[cell] = Math.max(best[cell - 1], best[cell + 1]);
-      else if (best[cell - width] >= 0 && best[cell + width] >= 0)
-        best[cell] = Math.max(best[cell - width], best[cell + width]);
+      const left = cell - 1;
+      const right = cell + 1;
+      const below = cell - width;
+      const above = cell + width;
+      if (best[left] >= 0 && best[right] >= 0) best[cell] = Math.max(best[left], best[right]);
+      else if (best[below] >= 0 && best[above] >= 0) best[cell] = Math.max(best[below], best[above]);
+      else continue;
+      filled.push(cell);
     }
+  return filled;
 }
 
 /** The posture of a cell by joint [rad, m]; null out of reach. */
 export function postureAt(section: Section, x: number, z: number): Record<string, number> | null {
-  const { view, best, coordinates, joints } = section;
+  const { view, best, grids, joints } = section;
   const column = Math.round((x - view.x) / view.cell);
   const row = Math.round((z - view.z) / view.cell);
   if (column < 0 || column >= view.width || row < 0 || row >= view.height) return null;
   const value = best[row * view.width + column];
   if (value < 0) return null;
   let index = value % INDICES;
+  let place = 0;
+  while (index >= size(grids[place])) {
+    index -= size(grids[place]);
+    place += 1;
+  }
   const posture: Record<string, number> = {};
   for (let k = joints.length - 1; k >= 0; k -= 1) {
-    const count = coordinates[k].length;
-    posture[joints[k]] = coordinates[k][index % count];
+    const values = grids[place][k];
+    const count = values.length;
+    posture[joints[k]] = values[index % count];
     index = Math.floor(index / count);
   }
   return posture;

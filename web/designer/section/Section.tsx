@@ -57,44 +57,64 @@ export function Section() {
     return { ...(look ? { x: look.x, z: look.z, scale: fitted.scale * look.zoom } : fitted), width, height };
   }, [look, fitted, width, height]);
 
+  const show = useCallback((answer: Painted) => {
+    const to = canvas.current;
+    if (to) {
+      const { width, height } = answer.view;
+      if (to.width !== width || to.height !== height) Object.assign(to, { width, height });
+      to.getContext("2d")?.putImageData(new ImageData(new Uint8ClampedArray(answer.pixels), width, height), 0, 0);
+      to.dataset.took = answer.took.toFixed(2);
+      to.dataset.painted = String(Number(to.dataset.painted ?? 0) + 1);
+      to.dataset.most = String(answer.most);
+      to.dataset.complete = String(answer.complete);
+    }
+    spare.current = answer.pixels;
+    setPainted(answer);
+    setFailure(null);
+  }, []);
+
+  const taken = useCallback(() => {
+    const pixels = spare.current;
+    spare.current = undefined;
+    return pixels;
+  }, []);
+
   const request = useCallback(
     async (factor: number) => {
-      if (!window || window.width < 10 || window.height < 10) return;
+      if (!window || window.width < 10 || window.height < 10) return null;
       const begun = performance.now();
-      try {
-        const pixels = spare.current;
-        spare.current = undefined;
-        const view = raster(window, CELLS / factor);
-        const answer = await sections.ask<"section">({ kind: "section", crane, mode, view, pixels });
-        if (!answer) return;
-        const to = canvas.current;
-        if (to) {
-          const { width, height } = answer.view;
-          if (to.width !== width || to.height !== height) Object.assign(to, { width, height });
-          to.getContext("2d")?.putImageData(new ImageData(new Uint8ClampedArray(answer.pixels), width, height), 0, 0);
-          to.dataset.took = answer.took.toFixed(2);
-          to.dataset.waited = (performance.now() - begun).toFixed(2);
-          to.dataset.painted = String(Number(to.dataset.painted ?? 0) + 1);
-          to.dataset.most = String(answer.most);
-        }
-        spare.current = answer.pixels;
-        if (factor > 1 || answer.took > FRAME)
-          coarse.current = Math.min(3, Math.max(1, coarse.current * Math.sqrt(answer.took / FRAME)));
-        setPainted(answer);
-        setFailure(null);
-      } catch (error) {
-        setFailure((error as Error).message);
-      }
+      const view = raster(window, CELLS / factor);
+      const answer = await sections.ask<"section">({ kind: "section", crane, mode, view, pixels: taken() });
+      if (!answer) return null;
+      show(answer);
+      if (canvas.current) canvas.current.dataset.waited = (performance.now() - begun).toFixed(2);
+      if (factor > 1 || answer.took > FRAME)
+        coarse.current = Math.min(3, Math.max(1, coarse.current * Math.sqrt(answer.took / FRAME)));
+      return answer;
     },
-    [sections, crane, mode, window],
+    [sections, crane, mode, window, show, taken],
   );
 
+  // While dragging as many cells as a frame allows; then all of them, and where there is a choice of postures, more of those.
   useEffect(() => {
-    void request(dragging ? coarse.current : Math.max(1, coarse.current));
-    if (dragging || coarse.current <= 1) return;
-    const timer = setTimeout(() => void request(1), REST);
-    return () => clearTimeout(timer);
-  }, [request, dragging]);
+    let wanted = true;
+    const paintAll = async () => {
+      let answer = await request(coarse.current);
+      if (dragging) return;
+      if (coarse.current > 1) {
+        await new Promise((done) => setTimeout(done, REST));
+        if (wanted) answer = await request(1);
+      }
+      while (wanted && answer && !answer.complete) {
+        answer = await sections.ask<"refined">({ kind: "refined", pixels: taken() });
+        if (wanted && answer) show(answer);
+      }
+    };
+    paintAll().catch((error: Error) => setFailure(error.message));
+    return () => {
+      wanted = false;
+    };
+  }, [request, dragging, sections, show, taken]);
 
   // ---------------------------------------------------------------- the pointer
   const svg = useRef<SVGSVGElement>(null);

@@ -61,7 +61,8 @@ export function cylinderForces(cylinder: Cylinder): [push: number, pull: number]
   return [force * bore, force * annulus];
 }
 
-function areas(cylinder: Cylinder): [bore: number, annulus: number] {
+/** Areas that a cylinder set pushes with on its bore side and on its rod side [m2]. */
+export function areas(cylinder: Cylinder): [bore: number, annulus: number] {
   const quarter = ((cylinder.count ?? 1) * Math.PI) / 4;
   return [quarter * cylinder.bore ** 2, quarter * (cylinder.bore ** 2 - cylinder.rod ** 2)];
 }
@@ -77,7 +78,7 @@ export function hookSpeedNeeded(crane: Crane, mode: Mode): number {
 }
 
 /** Weight on the hook over (falls times tension at the winch), each sheave turning. */
-function reeving(falls: number, sheave: number): number {
+export function reeving(falls: number, sheave: number): number {
   let sum = 0;
   for (let i = 0; i < falls; i += 1) sum += sheave ** i;
   return sum / falls;

@@ -31,6 +31,8 @@ export interface Section {
 export type Grid = readonly ArrayLike<number>[];
 
 const MOST_POSTURES = 1_000_000;
+/** So that fewer cells are fewer postures, where any number of them could be looked at. */
+const POSTURES_PER_CELL = 2.8;
 
 // The load in 1/32 kg and the index of its posture share a number, so that the better of two postures is the larger number.
 const INDICES = 2 ** 25;
@@ -142,7 +144,8 @@ export class Rasteriser {
     this.swept = 0;
     this.further = layers(crane, view.cell);
     for (const grid of ends(crane, view.cell)) this.sweep(crane, mode, view, grid);
-    const left = Math.max(MOST_POSTURES - this.swept, MOST_POSTURES / 4);
+    const most = Math.min(POSTURES_PER_CELL * cells, MOST_POSTURES);
+    const left = Math.max(most - this.swept, most / 4);
     this.sweep(crane, mode, view, postures(crane, view.cell, left));
     return this.finished(crane, view, planeJoints(crane).length < 3);
   }

@@ -20,12 +20,11 @@ const raster = page.getByTestId("raster");
 /** In the page: for each move that is answered, when it came, when the chart was drawn, and what the worker took of it. */
 function watch() {
   const canvas = document.querySelector("[data-testid=raster]");
-  globalThis.seen = [];
   let moved = null;
   addEventListener("pointermove", () => (moved ??= performance.now()), { capture: true });
   new MutationObserver(() => {
     if (moved === null) return;
-    seen.push({
+    globalThis.seen?.push({
       whole: performance.now() - moved,
       worker: Number(canvas.dataset.took),
       cells: `${canvas.width} x ${canvas.height}`,
@@ -37,6 +36,8 @@ function watch() {
 const quantile = (values, share) => [...values].sort((a, b) => a - b)[Math.floor(share * (values.length - 1))];
 const told = (values) => [0, 0.5, 0.9, 1].map((share) => quantile(values, share).toFixed(1).padStart(6)).join("");
 console.log("least, median, nine of ten, most [ms]".padStart(60));
+await page.waitForSelector("[data-testid=raster][data-painted]");
+await page.evaluate(watch);
 for (const design of DESIGNS) {
   await page.getByTestId("design-menu").click();
   await page.getByTestId(`open-${design}`).click();
@@ -45,8 +46,10 @@ for (const design of DESIGNS) {
   const grip = page.locator("[data-testid^=end-]").last();
   const box = await grip.locator("circle.target").boundingBox();
   const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
-  await page.evaluate(watch);
   await page.mouse.move(x, y);
+  await page.evaluate(() => {
+    globalThis.seen = [];
+  });
   await page.mouse.down();
   for (let i = 1; i <= EVENTS; i += 1) {
     const before = await raster.getAttribute("data-painted");

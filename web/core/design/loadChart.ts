@@ -1,8 +1,8 @@
 // What a crane may lift in each of a grid of postures, and what keeps it from more. The same laws as
 // src/seacrane/design/chart.py, which says where they come from; a shared fixture holds both equal.
 //
-// In a row of postures only the last joint moves. Every moment is then a sum of three terms (see rows.ts), and the lever
-// of a cylinder either stands still or is the same in all rows, so that the laws run over tables.
+// In a row of postures only one joint moves. Every moment is then a sum of three terms (see rows.ts), and the lever of a
+// cylinder either stands still or is the same in all rows, so that the laws at the end of this file run over tables.
 import { retracted } from "./plane";
 import { Along, AlongPoint, type Line, ROW, Rows, U, V } from "./rows";
 import { type Crane, type Cylinder, GRAVITY, type Mode } from "./types";
@@ -332,7 +332,7 @@ class Lift {
       const margin = STROKE_MARGIN * stroke;
       const step = length.length > 1 ? 1 : 0;
       this.rows.span(line, length);
-      this.rows.lever(line, joint!, length, lever);
+      if (line.joints.includes(joint!)) this.rows.lever(line, joint!, length, lever);
       for (let t = 0, j = 0; t < table.length; t += COLUMNS, j += step) {
         const arm = lever[j];
         const extension = Math.min(Math.max(length[j] - closed, margin), stroke - margin);

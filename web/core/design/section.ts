@@ -82,7 +82,7 @@ export function postures(crane: Crane, cell: number, atMost = MOST_POSTURES): Fl
 }
 
 // Three joints leave a choice of postures for each point. The best one is where a joint is at its end, or where two limits
-// bind at once, which coordinates far apart miss by up to a third of the load.
+// bind at once, which coordinates far apart miss, in places by half the load.
 
 /** Of three joints: either of the last two at its ends, the others fine. */
 function ends(crane: Crane, cell: number): Grid[] {

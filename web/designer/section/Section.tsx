@@ -88,8 +88,9 @@ export function Section() {
       if (!answer) return null;
       show(answer);
       if (canvas.current) canvas.current.dataset.waited = (performance.now() - begun).toFixed(2);
-      if (factor > 1 || answer.took > FRAME)
-        coarse.current = Math.min(3, Math.max(1, coarse.current * Math.sqrt(answer.took / FRAME)));
+      // halfway to what would have taken a frame
+      const fitting = factor * Math.sqrt(answer.took / FRAME);
+      coarse.current = Math.min(3, Math.max(1, Math.sqrt(coarse.current * fitting)));
       return answer;
     },
     [sections, crane, mode, window, show, taken],

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -65,7 +67,7 @@ def _run(options: argparse.Namespace) -> int:
         tolerance=options.tolerance,
         prepare=prepare,
         patience=options.patience,
-        progress=_progress if sys.stderr.isatty() else None,
+        progress=_progress() if sys.stderr.isatty() else None,
     )
     print(found)
     if options.json:
@@ -85,5 +87,13 @@ def _numbers(text: str) -> list[float]:
         raise argparse.ArgumentTypeError(f"{text!r} is not a list of numbers, as 0.001,0.002") from None
 
 
-def _progress(done: int, total: int, what: str) -> None:
-    print(f"\r{done:4d} of {total}: {what:<40}", end="\n" if done == total else "", file=sys.stderr, flush=True)
+def _progress() -> Callable[[int, int, str], None]:
+    """A bar over the runs that are done, and what is run."""
+    begun = time.monotonic()
+
+    def tell(done: int, total: int, what: str) -> None:
+        bar, end = "#" * (30 * done // total), "\n" if done == total else ""
+        seconds = time.monotonic() - begun
+        print(f"\r[{bar:<30}] {done} of {total}, {seconds:.0f} s: {what:<32}", end=end, file=sys.stderr, flush=True)
+
+    return tell

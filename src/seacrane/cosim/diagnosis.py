@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import ExitStack, nullcontext, suppress
 from dataclasses import asdict, dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Final
@@ -26,10 +26,14 @@ import numpy as np
 from seacrane.cosim.algorithms import ALGORITHMS, NANOSECONDS, Algorithm, GaussSeidel, Iterative, Jacobi, Newton
 from seacrane.cosim.diagnosis_report import ITERATED, text
 from seacrane.cosim.execution import Execution
+from seacrane.cosim.fmu import FmuSlave
 from seacrane.cosim.slave import Vector
 from seacrane.cosim.system import System
+from seacrane.cosim.triggers import Above, Below
 from seacrane.errors import CosimError, Problem, SeacraneError, nearest
+from seacrane.fmi.logs import kept_back
 from seacrane.results import Recording, sweeps
+from seacrane.units import with_unit
 
 if TYPE_CHECKING:
     from seacrane.results import Figure
@@ -41,6 +45,9 @@ PLAIN: Final = ("jacobi", "gauss-seidel")
 
 HALVINGS, DOUBLINGS = 3, 3
 """The macro step of the system is halved and doubled so many times, unless steps are given."""
+
+LOST = 100.0
+"""A run is ended where a signal is so many of its ranges outside of where the reference has it: it is unstable."""
 
 UNSTABLE = 1.0
 """A run that deviates by more than this share of a signal's range has no more to do with the solution."""
@@ -230,24 +237,28 @@ def diagnose(
     told = progress or (lambda done, total, what: None)
     total = 2 + len(sweep.names) * len(sweep.steps)
     told(0, total, "reference")
-    exact, words, notes = sweep.reference(reference)
-    done = 1
-    trials: list[Trial] = []
-    left_out: dict[str, str] = {}
-    for name in sweep.names:
-        for step in sweep.steps:
-            told(done, total, f"{name}, {step:g} s")
-            done += 1
-            if name in left_out:
-                continue
-            try:
-                trials.append(sweep.trial(name, step, exact))
-            except CosimError as error:
-                left_out[name] = "; ".join(p.message for p in error.problems)
-    told(total - 1, total, "loop gains")
-    gains, why = sweep.gains(exact)
-    if why:
-        notes = (*notes, f"loop gains were not measured: {why}")
+    with ExitStack() as held:
+        for slave in system.slaves.values():
+            if isinstance(slave, FmuSlave):
+                held.enter_context(slave.held())
+        exact, words, notes = sweep.reference(reference)
+        done = 1
+        trials: list[Trial] = []
+        left_out: dict[str, str] = {}
+        for name in sweep.names:
+            for step in sweep.steps:
+                told(done, total, f"{name}, {step:g} s")
+                done += 1
+                if name in left_out:
+                    continue
+                try:
+                    trials.append(sweep.trial(name, step, exact))
+                except CosimError as error:
+                    left_out[name] = "; ".join(p.message for p in error.problems)
+        told(total - 1, total, "loop gains")
+        gains, why = sweep.gains(exact)
+        if why:
+            notes = (*notes, f"loop gains were not measured: {why}")
     told(total, total, "done")
     bonds = _judged(sweep, trials, gains, tolerance)
     return Diagnosis(system.name, sweep.until, tolerance, words, tuple(trials), bonds, left_out, notes)
@@ -304,6 +315,8 @@ class _Sweep:
         self.couplings: dict[str, tuple[str, ...]] = {b.name: (b.effort[0], b.flow[0]) for b in bonds}
         if not self.couplings:
             self.couplings = {source: (source,) for source in dict.fromkeys(c.source for c in system.connections)}
+        self.sizes: dict[str, float] = {}
+        self.limits: dict[str, tuple[float, float]] = {}
         self.signals = list(dict.fromkeys(s for pair in self.couplings.values() for s in pair))
 
     def reference(self, wanted: Algorithm | Recording | None) -> tuple[Recording, str, tuple[str, ...]]:
@@ -347,10 +360,10 @@ class _Sweep:
     def _sizes(self, exact: Recording) -> None:
         """The range of each signal, at least a thousandth of its nominal value and a millionth of its magnitude."""
         variables = self.system.variables
-        self.sizes: dict[str, float] = {}
         moves = False
         for name in self.signals:
             values = exact[name]
+            self.limits[name] = float(values.min()), float(values.max())
             least = max(1e-3 * (abs(variables[name].nominal) or 1.0), 1e-6 * float(np.abs(values).max()))
             moves = moves or bool(np.ptp(values) > least)
             self.sizes[name] = max(float(np.ptp(values)), float(least))
@@ -409,9 +422,15 @@ class _Sweep:
                 if run.usage.busy_s > patience:
                     run.pause()
 
+            lost: list[str] = []
+            for name in self.limits:
+                self._guard(run, name, lost)
             try:
-                run.run(self.until, watch)
-                if run.time < self.until - 1e-9:
+                with kept_back() if kept else nullcontext():
+                    run.run(self.until, watch)
+                if lost:
+                    failure = lost[0]
+                elif run.time < self.until - 1e-9:
                     failure = f"given up at t = {run.time:g} s after {patience:g} s of computing"
             except SeacraneError as error:
                 if not kept:
@@ -420,6 +439,19 @@ class _Sweep:
                     run.flush()
                 failure = "; ".join(map(str, error.problems))
             return _Run(run, recorder.recording(), account.recording(), failure)
+
+    def _guard(self, run: Execution, name: str, lost: list[str]) -> None:
+        """End the run where a signal is beyond all bounds, and say so in `lost`."""
+
+        def end(run: Execution) -> None:
+            value = float(run.values([name])[0])
+            where = with_unit(f"{value:.3g}", run.variables[name].unit)
+            lost.append(f"{name} is at {where} at t = {run.time:g} s, {LOST:g} times its range away from the reference")
+            run.pause()
+
+        low, high = self.limits[name]
+        run.when(Above(name, high + LOST * self.sizes[name]), call=end)
+        run.when(Below(name, low - LOST * self.sizes[name]), call=end)
 
     def _error(self, recording: Recording, exact: Recording, names: Sequence[str]) -> float:
         """The larger one of the root mean square deviations of these signals, as shares of their ranges."""

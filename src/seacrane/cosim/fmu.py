@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
 
@@ -174,6 +175,16 @@ class FmuSlave(Slave):
             instance.close()
             raise
         return instance
+
+    @contextmanager
+    def held(self) -> Iterator[None]:
+        """The FMU stays unpacked and loaded within, so that instances after the first are made in less time."""
+        self._loaded = self._loaded or fmi.Fmu(self.path, self.kind)
+        self._open += 1
+        try:
+            yield
+        finally:
+            self._closed()
 
     def _closed(self) -> None:
         self._open -= 1

@@ -111,6 +111,16 @@ def test_a_stiff_coupling_is_named_with_the_step_at_which_its_gain_is_one(stiff)
     assert "unstable at" in said
 
 
+def test_a_run_that_has_left_all_bounds_is_ended_and_called_unstable():
+    # Gauss-Seidel of a mass on a spring diverges above gain 4: here 16, and 1 with the shorter step.
+    found = diagnose(mass_and_spring(800.0), until=40.0, steps=[0.05, 0.2], algorithms=["gauss-seidel"])
+    held, lost = found.of("gauss-seidel")
+    assert held.stable
+    assert not lost.stable
+    assert "times its range away from the reference" in lost.failure
+    assert lost.sweeps < 0.2 * held.sweeps * 0.05 / 0.2
+
+
 def test_without_an_iterated_run_nothing_is_said_of_stiffness():
     driven = diagnose(mass_and_spring(800.0), until=1.0, steps=[0.05, 0.1], algorithms=["gauss-seidel"])
     assert max(driven.bonds[0].gains.values()) > 1

@@ -2,6 +2,7 @@
 
 import subprocess
 import zipfile
+from contextlib import nullcontext
 from pathlib import Path
 
 import fmpy
@@ -20,6 +21,7 @@ from seacrane.cosim import (
     System,
 )
 from seacrane.errors import CosimError
+from seacrane.fmi.logs import kept_back
 from seacrane.model.dae import Variable
 from seacrane.native import compiler
 from seacrane.results import Recording
@@ -108,6 +110,32 @@ def test_a_run_goes_on_from_an_earlier_state_once_the_fault_is_mended(fmu, loop,
         run.set("pump.when", 1e9)
         run.advance(2.0)
         assert (run.error, run.values(["pump.y"])[0]) == (None, 2.0)
+
+
+@pytest.mark.parametrize("silent", [False, True])
+def test_what_an_fmu_says_can_be_kept_out_of_the_log_and_is_in_the_error_all_the_same(fmu, caplog, silent):
+    with (
+        Execution(system(fmu, when=0.7, status=2), GaussSeidel(0.125)) as run,
+        kept_back() if silent else nullcontext(),
+        pytest.raises(CosimError, match="the pump has no oil"),
+    ):
+        run.advance(2.0)
+    assert [r.getMessage() for r in caplog.records] == (
+        [] if silent else ["pump: the pump has no oil [logStatusError]"]
+    )
+
+
+def test_an_fmu_that_is_held_stays_loaded_from_run_to_run(fmu):
+    slave = FmuSlave(fmu)
+    with slave.held():
+        folders = set()
+        for _ in range(2):
+            with Execution(System("s", {"pump": slave}), GaussSeidel(0.125)) as run:
+                folders.add(run._plan.parts[0].instance.inner.fmu.folder)
+                run.advance(1.0)
+                assert run.values(["pump.y"])[0] == 1.0
+    assert len(folders) == 1
+    assert not folders.pop().exists()
 
 
 @LOOPS

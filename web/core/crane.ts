@@ -50,6 +50,13 @@ export function radius(tipPoint: Vec3): number {
   return Math.hypot(tipPoint[0], tipPoint[1]);
 }
 
+/** Whether it is a column that slews with a boom and a jib that turn, and nothing else: what has a picture of its own. */
+export function isKnuckleBoom({ links }: CraneDesign): boolean {
+  const [column, ...others] = links;
+  const turn = links.every(({ joint }) => joint.kind === "revolute");
+  return turn && others.length === 2 && Math.abs(column.joint.axis[2]) > 0.9;
+}
+
 /** Where link `index` ends, in its own frame: the joint of the next link, or the last sheave. */
 export function linkEnd(crane: CraneDesign, index: number): Vec3 {
   const next = crane.links[index + 1];

@@ -1,9 +1,12 @@
 import { describe, expect, it } from "vitest";
-import { CommandRepeater, type Demand, type Pad, padAxes, Sticks, shape, ZERO } from "./driving";
+import { atRest, CommandRepeater, type Demand, type Pad, places, Sticks, shape } from "./driving";
+
+const AXES = ["slew", "boom", "jib", "hoist"];
+const ZERO = atRest(AXES);
 
 const pad = (axes: number[], ...pressed: number[]): Pad => ({
   axes,
-  buttons: Array.from({ length: 8 }, (_, i) => ({ pressed: pressed.includes(i) })),
+  buttons: Array.from({ length: 16 }, (_, i) => ({ pressed: pressed.includes(i) })),
 });
 
 /** What the sticks ask for after `seconds` of the page's beat. */
@@ -15,7 +18,7 @@ function demandAfter(sticks: Sticks, seconds: number, held: Pad | null = null): 
 
 describe("keys", () => {
   it("raise the boom while one is held and stop it at once when it is let go", () => {
-    const sticks = new Sticks();
+    const sticks = new Sticks(AXES);
     sticks.press("ArrowLeft");
     expect(demandAfter(sticks, 1)).toEqual({ axes: { ...ZERO, boom: 1 }, deadman: true, source: "keyboard" });
     sticks.release("ArrowLeft");
@@ -23,25 +26,25 @@ describe("keys", () => {
   });
 
   it("hoist when pulled back", () => {
-    const sticks = new Sticks();
+    const sticks = new Sticks(AXES);
     sticks.press("ArrowDown");
     expect(demandAfter(sticks, 1).axes.hoist).toBe(1);
   });
 
   it("move two axes at once, and cancel where they oppose", () => {
-    const sticks = new Sticks();
+    const sticks = new Sticks(AXES);
     for (const key of ["KeyA", "KeyW", "ArrowUp", "ArrowDown"]) sticks.press(key);
     expect(demandAfter(sticks, 1).axes).toEqual({ slew: 1, jib: 1, boom: 0, hoist: 0 });
   });
 
   it("grow into a movement rather than jump", () => {
-    const sticks = new Sticks();
+    const sticks = new Sticks(AXES);
     sticks.press("KeyW");
     expect(sticks.demand(null, 0.1).axes.jib).toBeCloseTo(0.25, 9);
   });
 
   it("go through zero when a movement is reversed", () => {
-    const sticks = new Sticks();
+    const sticks = new Sticks(AXES);
     sticks.press("KeyW");
     demandAfter(sticks, 1);
     sticks.release("KeyW");
@@ -52,20 +55,45 @@ describe("keys", () => {
   });
 
   it("move slowly with shift", () => {
-    const sticks = new Sticks();
+    const sticks = new Sticks(AXES);
     sticks.press("ShiftLeft");
     sticks.press("KeyD");
     expect(demandAfter(sticks, 2).axes.slew).toBeCloseTo(-0.3, 9);
   });
 
   it("leave the other keys to the page", () => {
-    expect(new Sticks().press("KeyQ")).toBe(false);
+    expect(new Sticks(AXES).press("KeyQ")).toBe(false);
+  });
+});
+
+describe("cranes of other types", () => {
+  it("have their first joint on the right stick, their second on the left, a third beside them", () => {
+    const keys = (axes: string[]) => [...places(axes)].map(([name, { plus }]) => [name, plus[0]]);
+    expect(keys(["frame", "leg", "hoist"])).toEqual([
+      ["frame", "ArrowLeft"],
+      ["leg", "KeyW"],
+      ["hoist", "ArrowDown"],
+    ]);
+    expect(keys(["slew", "boom", "jib", "telescope", "hoist"])).toEqual([
+      ["slew", "KeyA"],
+      ["boom", "ArrowLeft"],
+      ["jib", "KeyW"],
+      ["telescope", "KeyQ"],
+      ["hoist", "ArrowDown"],
+    ]);
+  });
+
+  it("are moved by their own keys and no others", () => {
+    const sticks = new Sticks(["frame", "leg", "hoist"]);
+    expect(sticks.press("KeyA")).toBe(false);
+    sticks.press("KeyS");
+    expect(demandAfter(sticks, 1).axes).toEqual({ frame: 0, leg: -1, hoist: 0 });
   });
 });
 
 describe("the dead man's switch", () => {
   it("drops every key when the page loses the focus, until it is pressed anew", () => {
-    const sticks = new Sticks();
+    const sticks = new Sticks(AXES);
     sticks.press("ArrowLeft");
     demandAfter(sticks, 1);
     sticks.drop();
@@ -76,13 +104,13 @@ describe("the dead man's switch", () => {
 
   it("lets a gamepad move nothing unless its button is held", () => {
     const over = [0, -1, 0, 1];
-    expect(demandAfter(new Sticks(), 1, pad(over))).toEqual({ axes: ZERO, deadman: false, source: "none" });
-    expect(demandAfter(new Sticks(), 1, pad(over, 5)).axes).toEqual({ slew: 0, jib: 1, boom: 0, hoist: 1 });
-    expect(demandAfter(new Sticks(), 1, pad(over, 0)).deadman).toBe(true);
+    expect(demandAfter(new Sticks(AXES), 1, pad(over))).toEqual({ axes: ZERO, deadman: false, source: "none" });
+    expect(demandAfter(new Sticks(AXES), 1, pad(over, 5)).axes).toEqual({ slew: 0, jib: 1, boom: 0, hoist: 1 });
+    expect(demandAfter(new Sticks(AXES), 1, pad(over, 0)).deadman).toBe(true);
   });
 
   it("wants a gamepad's button let go once after a drop", () => {
-    const sticks = new Sticks();
+    const sticks = new Sticks(AXES);
     const held = pad([1, 0, 0, 0], 0);
     expect(demandAfter(sticks, 0.2, held).axes.slew).toBe(-1);
     sticks.drop();
@@ -94,7 +122,14 @@ describe("the dead man's switch", () => {
 
 describe("a gamepad", () => {
   it("has left stick slew and jib, right stick boom and hoist, back hoists", () => {
-    expect(padAxes(pad([-1, -1, -1, 1]))).toEqual({ slew: 1, jib: 1, boom: 1, hoist: 1 });
+    const { axes } = demandAfter(new Sticks(AXES), 1, pad([-1, -1, -1, 1], 0));
+    expect(axes).toEqual({ slew: 1, jib: 1, boom: 1, hoist: 1 });
+  });
+
+  it("has a further joint on its cross", () => {
+    const sticks = new Sticks(["slew", "boom", "jib", "telescope", "hoist"]);
+    expect(demandAfter(sticks, 1, pad([0, 0, 0, 0], 0, 12)).axes.telescope).toBe(1);
+    expect(demandAfter(sticks, 1, pad([0, 0, 0, 0], 0, 13)).axes.telescope).toBe(-1);
   });
 
   it("rests inside its dead band, and is smooth and odd beyond it", () => {

@@ -1,34 +1,52 @@
 // The operator's two sticks: what keys and a gamepad ask for, and when nothing may be asked for (dead man).
 //
-// Left hand: slew and jib. Right hand: boom and hoist; pulling back hoists. A key is its own dead man's switch: the
-// crane moves only while it is held. On a gamepad a button must be held besides. Losing the window, the page or the
-// link drops everything, and a stick that was over when that happened does not count again until released.
+// Left hand: slew, and the second joint after it (a jib). Right hand: the first (the boom), and hoist; pulling back
+// hoists. Further joints have pairs of keys, and the cross of the gamepad. A key is its own dead man's switch: the crane
+// moves only while it is held. On a gamepad a button must be held besides. Losing the window, the page or the link drops
+// everything, and a stick that was over when that happened does not count again until released.
 import type { Axes } from "../rpc/messages";
+import { HOIST } from "./axes";
 
-export const AXES = ["slew", "boom", "jib", "hoist"] as const;
-export type AxisName = (typeof AXES)[number];
-export const ZERO: Axes = Object.freeze({ slew: 0, boom: 0, jib: 0, hoist: 0 });
-
-/** Key (KeyboardEvent.code) to axis and sense. Positive: slew to the left, boom up, jib out, hook up. */
-export const KEYS: Readonly<Record<string, readonly [AxisName, 1 | -1]>> = {
-  KeyA: ["slew", 1],
-  KeyD: ["slew", -1],
-  KeyW: ["jib", 1],
-  KeyS: ["jib", -1],
-  ArrowLeft: ["boom", 1],
-  ArrowRight: ["boom", -1],
-  ArrowDown: ["hoist", 1],
-  ArrowUp: ["hoist", -1],
-  KeyJ: ["boom", 1],
-  KeyL: ["boom", -1],
-  KeyK: ["hoist", 1],
-  KeyI: ["hoist", -1],
-};
-
-/** A standard-mapping gamepad: axes 0, 1 left stick and 2, 3 right stick (right and back positive); buttons A, RB. */
+/** A standard-mapping gamepad: axes 0, 1 left stick and 2, 3 right stick (right and back positive); buttons. */
 export interface Pad {
   readonly axes: readonly number[];
   readonly buttons: readonly { readonly pressed: boolean }[];
+}
+
+/** Where an axis is: the keys (KeyboardEvent.code) for either sense, and what a gamepad asks of it. */
+export interface Place {
+  readonly plus: readonly string[];
+  readonly minus: readonly string[];
+  readonly read: (pad: Pad) => number;
+}
+
+const travel = (i: number, sense: 1 | -1) => (pad: Pad) => sense * shape(pad.axes[i] ?? 0) || 0;
+const pressed = (pad: Pad, i: number) => Number(pad.buttons[i]?.pressed ?? false);
+
+export const LEFT_ACROSS: Place = { plus: ["KeyA"], minus: ["KeyD"], read: travel(0, -1) };
+export const LEFT_ALONG: Place = { plus: ["KeyW"], minus: ["KeyS"], read: travel(1, -1) };
+export const RIGHT_ACROSS: Place = { plus: ["ArrowLeft", "KeyJ"], minus: ["ArrowRight", "KeyL"], read: travel(2, -1) };
+export const RIGHT_ALONG: Place = { plus: ["ArrowDown", "KeyK"], minus: ["ArrowUp", "KeyI"], read: travel(3, 1) };
+/** Beside the sticks: the gamepad's cross, up and down, right and left. */
+export const BESIDE: readonly Place[] = [
+  { plus: ["KeyQ"], minus: ["KeyE"], read: (pad) => pressed(pad, 12) - pressed(pad, 13) },
+  { plus: ["KeyR"], minus: ["KeyF"], read: (pad) => pressed(pad, 15) - pressed(pad, 14) },
+];
+
+/** Where each axis is, by its name; a sixth joint and beyond have no place. */
+export function places(axes: readonly string[]): Map<string, Place> {
+  const found = new Map<string, Place>();
+  const free = [RIGHT_ACROSS, LEFT_ALONG, ...(axes.includes("slew") ? [] : [LEFT_ACROSS]), ...BESIDE];
+  for (const name of axes) {
+    const place = name === HOIST ? RIGHT_ALONG : name === "slew" ? LEFT_ACROSS : free.shift();
+    if (place) found.set(name, place);
+  }
+  return found;
+}
+
+/** All axes at rest. */
+export function atRest(axes: readonly string[]): Axes {
+  return Object.fromEntries(axes.map((name) => [name, 0]));
 }
 
 const DEADMAN_BUTTONS = [0, 5];
@@ -51,27 +69,34 @@ export function shape(travel: number): number {
   return Math.sign(travel) * share * share;
 }
 
-export function padAxes(pad: Pad): Axes {
-  const axis = (i: number) => shape(pad.axes[i] ?? 0);
-  const [slew, jib, boom, hoist] = [-axis(0), -axis(1), -axis(2), axis(3)];
-  return { slew: slew || 0, jib: jib || 0, boom: boom || 0, hoist: hoist || 0 };
-}
-
 export function padHeld(pad: Pad): boolean {
   return DEADMAN_BUTTONS.some((i) => pad.buttons[i]?.pressed ?? false);
 }
 
 export class Sticks {
+  private readonly places: Map<string, Place>;
+  private readonly keys = new Map<string, readonly [axis: string, sense: 1 | -1]>();
+  private readonly rest: Axes;
   private held = new Set<string>();
-  private ramp: Record<AxisName, number> = { ...ZERO };
+  private ramp: Record<string, number>;
   private fine = false;
   /** After a drop the gamepad's dead man must be let go once before it counts again. */
   private padBlocked = false;
 
+  constructor(axes: readonly string[]) {
+    this.places = places(axes);
+    for (const [name, { plus, minus }] of this.places) {
+      for (const code of plus) this.keys.set(code, [name, 1]);
+      for (const code of minus) this.keys.set(code, [name, -1]);
+    }
+    this.rest = atRest(axes);
+    this.ramp = { ...this.rest };
+  }
+
   /** Whether the key is one of the crane's (and the page should not scroll for it). */
   press(code: string): boolean {
     if (code === "ShiftLeft" || code === "ShiftRight") this.fine = true;
-    if (!(code in KEYS)) return false;
+    if (!this.keys.has(code)) return false;
     this.held.add(code);
     return true;
   }
@@ -85,19 +110,19 @@ export class Sticks {
   drop(): void {
     this.held.clear();
     this.fine = false;
-    this.ramp = { ...ZERO };
+    this.ramp = { ...this.rest };
     this.padBlocked = true;
   }
 
   /** What is asked for now, `dt` seconds after the last call. */
   demand(pad: Pad | null, dt: number): Demand {
-    const target: Record<AxisName, number> = { ...ZERO };
+    const target: Record<string, number> = { ...this.rest };
     for (const code of this.held) {
-      const [axis, sense] = KEYS[code];
+      const [axis, sense] = this.keys.get(code)!;
       target[axis] += sense;
     }
     let moved = false;
-    for (const axis of AXES) {
+    for (const axis of Object.keys(target)) {
       const wanted = Math.max(-1, Math.min(1, target[axis])) * (this.fine ? FINE : 1);
       const now = this.ramp[axis];
       const further = Math.abs(wanted) > Math.abs(now) && wanted * now >= 0;
@@ -108,10 +133,12 @@ export class Sticks {
     if (moved) return { axes: { ...this.ramp }, deadman: true, source: "keyboard" };
     if (!pad || !padHeld(pad)) {
       this.padBlocked = false;
-      return { axes: ZERO, deadman: false, source: "none" };
+      return { axes: this.rest, deadman: false, source: "none" };
     }
-    if (this.padBlocked) return { axes: ZERO, deadman: false, source: "none" };
-    return { axes: padAxes(pad), deadman: true, source: "gamepad" };
+    if (this.padBlocked) return { axes: this.rest, deadman: false, source: "none" };
+    const axes: Record<string, number> = { ...this.rest };
+    for (const [name, { read }] of this.places) axes[name] = read(pad);
+    return { axes, deadman: true, source: "gamepad" };
   }
 }
 

@@ -1,14 +1,14 @@
 // From the variables of a frame to what the operator reads, in engineering units; null where a variable is absent.
-import type { CraneDesign } from "../rpc/messages";
+import type { ModelDescription } from "../rpc/messages";
+import { type CraneAxis, craneAxes, endText } from "./axes";
 import { ratedLoad } from "./crane";
 import { BAR, DEGREE, GRAVITY, TONNE } from "./units";
 
 export type Read = (name: string) => number | null;
 
 export interface Readings {
-  slew: number | null;
-  boom: number | null;
-  jib: number | null;
+  /** Position of each joint, in the order of the chain; slewing from 0 to 360 deg. */
+  joints: readonly { axis: string; label: string; value: number | null; unit: "deg" | "m" }[];
   radius: number | null;
   hookHeight: number | null;
   load: number | null;
@@ -21,8 +21,12 @@ export interface Readings {
   slack: boolean;
 }
 
+/** What the scene and the instruments need of a model. */
+export type Described = Pick<ModelDescription, "axes" | "crane">;
+
 /** Variables the scene and the instruments read. */
-export function wanted(crane: CraneDesign): string[] {
+export function wanted(model: Described): string[] {
+  const { crane } = model;
   return [
     ...crane.links.map(({ joint }) => `crane.${joint.name}`),
     ..."load.x load.y load.z tip.x tip.y tip.z rope.tension rope.unstretched_length rope.stretch radius hook_height drum.speed"
@@ -30,35 +34,35 @@ export function wanted(crane: CraneDesign): string[] {
       .map((name) => `crane.${name}`),
     ...crane.cylinders.map(({ name }) => `crane.${name}.length`),
     ..."x y z qw qx qy qz".split(" ").map((name) => `ship.${name}`),
-    ...drives(crane).flatMap(({ drive }) => [`${drive}.cylinder.pressure_a`, `${drive}.cylinder.pressure_b`]),
-    ..."slew boom jib winch".split(" ").map((name) => `joystick.spool.${name}`),
+    ...linear(model).flatMap(({ name }) => [`${name}_drive.cylinder.pressure_a`, `${name}_drive.cylinder.pressure_b`]),
+    ...craneAxes(model).map(({ name, joint }) => `joystick.spool.${joint ? name : "winch"}`),
   ];
 }
 
-function drives(crane: CraneDesign): { label: string; drive: string }[] {
-  return crane.cylinders.map(({ name }) => {
-    const label = name.replace(/_cylinder$/, "");
-    return { label, drive: `${label}_drive` };
-  });
+/** The axes that cylinders move. */
+function linear(model: Described): CraneAxis[] {
+  return craneAxes(model).filter(({ name, joint }) => joint && name !== "slew");
 }
 
 const LIMITS: Readonly<Record<string, readonly [upper: string, lower: string]>> = {
-  luff: ["Boom at its upper end", "Boom at its lower end"],
-  jib: ["Jib at its outer end", "Jib at its inner end"],
-  two_block: ["Hook close to the jib head", "Hook close to the jib head"],
+  two_block: ["Hook close to the tip", "Hook close to the tip"],
   rope: ["Rope nearly all out", "Rope nearly all in"],
   slack: ["Slack rope: lowering stopped", "Slack rope: lowering stopped"],
 };
 
 /** What an active limit means to the operator; it has the sign of the side on which it holds back. */
-export function limitText(name: string, side: number): string {
+export function limitText(axes: readonly CraneAxis[], name: string, side: number): string {
   const key = name.slice(name.lastIndexOf(".") + 1);
+  const axis = axes.find(({ joint }) => joint?.name === key);
+  if (axis) return endText(axis, side);
   const known = LIMITS[key];
   if (known) return known[side > 0 ? 0 : 1];
   return key[0].toUpperCase() + key.slice(1).replaceAll("_", " ");
 }
 
-export function readings(crane: CraneDesign, read: Read, limitNames: readonly string[]): Readings {
+export function readings(model: Described, read: Read, limitNames: readonly string[]): Readings {
+  const { crane } = model;
+  const axes = craneAxes(model);
   const scaled = (name: string, factor: number) => {
     const value = read(name);
     return value === null ? null : value / factor;
@@ -68,25 +72,28 @@ export function readings(crane: CraneDesign, read: Read, limitNames: readonly st
   const radius = read("crane.radius");
   const rated = radius === null ? null : ratedLoad(crane, radius);
   const drumSpeed = read("crane.drum.speed");
-  const slew = scaled("crane.slew", DEGREE);
   return {
-    slew: slew === null ? null : ((slew % 360) + 360) % 360,
-    boom: scaled("crane.luff", DEGREE),
-    jib: scaled("crane.jib", DEGREE),
+    joints: axes.flatMap(({ name, joint, label }) => {
+      if (!joint) return [];
+      const turns = joint.kind === "revolute";
+      const value = scaled(`crane.${joint.name}`, turns ? DEGREE : 1);
+      const shown = value !== null && name === "slew" ? ((value % 360) + 360) % 360 : value;
+      return [{ axis: name, label, value: shown, unit: turns ? ("deg" as const) : ("m" as const) }];
+    }),
     radius,
     hookHeight: read("crane.hook_height"),
     load,
     rated: rated === null ? null : rated / TONNE,
     utilisation: load === null || !rated ? null : (100 * load * TONNE) / rated,
     wireSpeed: drumSpeed === null ? null : drumSpeed * crane.hoist.drum_radius,
-    pressures: drives(crane).map(({ label, drive }) => ({
-      label,
-      piston: scaled(`${drive}.cylinder.pressure_a`, BAR),
-      rod: scaled(`${drive}.cylinder.pressure_b`, BAR),
+    pressures: linear(model).map(({ name }) => ({
+      label: name,
+      piston: scaled(`${name}_drive.cylinder.pressure_a`, BAR),
+      rod: scaled(`${name}_drive.cylinder.pressure_b`, BAR),
     })),
     limits: limitNames.flatMap((name) => {
       const side = read(name);
-      return side ? [limitText(name, side)] : [];
+      return side ? [limitText(axes, name, side)] : [];
     }),
     slack: tension !== null && tension <= 0,
   };

@@ -1,12 +1,13 @@
 import { describe, expect, it } from "vitest";
 import fixture from "../../tests/fixtures/crane_kinematics.json";
 import type { CraneDesign, VariableInfo } from "../rpc/messages";
+import { craneAxes } from "./axes";
 import { History, toCsv } from "./history";
 import { limitText, readings, wanted } from "./instruments";
 import { search, variableTree } from "./tree";
 import { clock, fixed, shown, symbol } from "./units";
 
-const crane = fixture.crane as unknown as CraneDesign;
+const model = { crane: fixture.crane as unknown as CraneDesign, axes: ["slew", "boom", "jib", "hoist"] };
 const variable = (name: string, unit = "m", shownIn = unit, factor = 1, about = ""): VariableInfo => ({
   name,
   unit,
@@ -99,9 +100,11 @@ describe("instruments", () => {
   const read = (name: string) => values[name] ?? null;
 
   it("read in the units of the trade", () => {
-    const r = readings(crane, read, ["joystick.limit.luff", "joystick.limit.jib"]);
-    expect(r.slew).toBeCloseTo(270, 9);
-    expect(r.boom).toBeCloseTo(50, 9);
+    const r = readings(model, read, ["joystick.limit.luff", "joystick.limit.jib"]);
+    const joint = (axis: string) => r.joints.find((one) => one.axis === axis);
+    expect(joint("slew")?.value).toBeCloseTo(270, 9);
+    expect(joint("boom")).toMatchObject({ label: "Main boom", unit: "deg" });
+    expect(joint("boom")?.value).toBeCloseTo(50, 9);
     expect(r.load).toBeCloseTo(65, 9);
     expect(r.utilisation).toBeCloseTo(100, 9);
     expect(r.wireSpeed).toBeCloseTo(1, 9);
@@ -110,18 +113,37 @@ describe("instruments", () => {
   });
 
   it("show nothing, and fail at nothing, where variables are absent", () => {
-    const r = readings(crane, () => null, []);
-    expect([r.slew, r.load, r.rated, r.utilisation, r.hookHeight, r.wireSpeed]).toEqual(Array(6).fill(null));
+    const r = readings(model, () => null, []);
+    expect([r.joints[0].value, r.load, r.rated, r.utilisation, r.hookHeight, r.wireSpeed]).toEqual(Array(6).fill(null));
     expect(r.slack).toBe(false);
   });
 
+  it("show a telescope in metres, with its ends, its pressures and what its lever does", () => {
+    const slide = { name: "telescope", kind: "prismatic" as const, axis: [1, 0, 0] as const };
+    const link = { ...model.crane.links[2], name: "outer", joint: { ...model.crane.links[2].joint, ...slide } };
+    const other = { crane: { ...model.crane, links: [...model.crane.links, link] }, axes: [...model.axes] };
+    other.axes.splice(3, 0, "telescope");
+    const at: Record<string, number> = { "crane.telescope": 2.5, "joystick.limit.telescope": 1 };
+    const r = readings(other, (name) => at[name] ?? null, ["joystick.limit.telescope"]);
+    expect(r.joints[3]).toEqual({ axis: "telescope", label: "Telescope", value: 2.5, unit: "m" });
+    expect(r.limits).toEqual(["Telescope at its outer end"]);
+    expect(wanted(other)).toContain("telescope_drive.cylinder.pressure_a");
+    expect(craneAxes(other).map(({ senses }) => senses[0])).toEqual([
+      "slew left",
+      "boom up",
+      "jib out",
+      "telescope out",
+      "hoist",
+    ]);
+  });
+
   it("say plainly what a limit is that they have never heard of", () => {
-    expect(limitText("joystick.limit.wind_speed", 1)).toBe("Wind speed");
+    expect(limitText([], "joystick.limit.wind_speed", 1)).toBe("Wind speed");
   });
 
   it("name a variable for every joint and cylinder of the design", () => {
     for (const name of ["crane.luff", "crane.jib_cylinder.length", "jib_drive.cylinder.pressure_b", "ship.qw"]) {
-      expect(wanted(crane)).toContain(name);
+      expect(wanted(model)).toContain(name);
     }
   });
 });

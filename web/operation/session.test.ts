@@ -24,6 +24,7 @@ class Server {
       "simulation.status": { time: 0, running: true, error: null, driver: this.driver, you: 1 },
       "model.describe": {
         crane: fixture.crane,
+        axes: ["slew", "boom", "jib", "hoist"],
         variables: ["crane.luff", "crane.rope.tension"].map((name) => ({
           name,
           unit: "1",

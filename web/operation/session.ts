@@ -1,6 +1,6 @@
 // What this page knows and does, without React: the link, the model, the newest frames, the sticks.
 import { createStore } from "zustand/vanilla";
-import { CommandRepeater, type Demand, type Pad, Sticks, ZERO } from "../core/driving";
+import { atRest, CommandRepeater, type Demand, type Pad, Sticks } from "../core/driving";
 import { History } from "../core/history";
 import { type Readings, readings, wanted } from "../core/instruments";
 import { takesKeys } from "../core/keys";
@@ -42,14 +42,15 @@ export class Session {
     frameRate: 0,
     time: null,
     readings: null,
-    demand: { axes: ZERO, deadman: false, source: "none" },
+    demand: { axes: {}, deadman: false, source: "none" },
     notice: null,
     plotted: recall("plotted", PLOTTED_AT_FIRST),
   }));
   readonly history = new History(LONGEST_WINDOW);
 
   private readonly client: RpcClient;
-  private readonly sticks = new Sticks();
+  /** Of no axes until the model is known. */
+  private sticks = new Sticks([]);
   private readonly repeater = new CommandRepeater();
   private newest: Sample | null = null;
   private before: Sample | null = null;
@@ -131,10 +132,11 @@ export class Session {
   /** Everything to zero now, on the server too. */
   drop(): void {
     const moving = this.store.getState().demand.deadman;
+    const axes = atRest(this.store.getState().model?.axes ?? []);
     this.sticks.drop();
-    this.store.setState({ demand: { axes: ZERO, deadman: false, source: "none" } });
+    this.store.setState({ demand: { axes, deadman: false, source: "none" } });
     if (moving && this.driving) {
-      this.client.call("control.command", { axes: ZERO, deadman: false }).catch(() => undefined);
+      this.client.call("control.command", { axes, deadman: false }).catch(() => undefined);
     }
   }
 
@@ -187,7 +189,9 @@ export class Session {
         this.client.call("model.describe", {}),
         this.client.call("simulation.status", {}),
       ]);
+      this.sticks = new Sticks(model.axes);
       this.store.setState({ model, status });
+      this.drop();
       await this.subscribe();
     } catch (reason) {
       this.tell(reason);
@@ -199,7 +203,7 @@ export class Session {
     if (!model || link !== "open") return;
     const there = new Set(model.variables.map(({ name }) => name));
     const limits = model.variables.filter(({ name }) => isLimit(name)).map(({ name }) => name);
-    const names = [...new Set([...wanted(model.crane), ...limits, ...plotted])].filter((name) => there.has(name));
+    const names = [...new Set([...wanted(model), ...limits, ...plotted])].filter((name) => there.has(name));
     const old = this.subscription;
     try {
       this.history.keep(plotted.filter((name) => there.has(name)));
@@ -236,7 +240,7 @@ export class Session {
     this.store.setState({
       time: newest.time,
       frameRate: Math.round(this.arrivals.filter((at) => at > now - 2000).length / 2),
-      readings: readings(model.crane, (name) => newest.values.get(name) ?? null, limits),
+      readings: readings(model, (name) => newest.values.get(name) ?? null, limits),
     });
   }
 
@@ -348,10 +352,7 @@ function sameDemand(a: Demand, b: Demand): boolean {
   return (
     a.deadman === b.deadman &&
     a.source === b.source &&
-    a.axes.slew === b.axes.slew &&
-    a.axes.boom === b.axes.boom &&
-    a.axes.jib === b.axes.jib &&
-    a.axes.hoist === b.axes.hoist
+    Object.keys({ ...a.axes, ...b.axes }).every((name) => a.axes[name] === b.axes[name])
   );
 }
 

@@ -96,6 +96,8 @@ export interface ModelDescription {
   sea: { waves: readonly WaveComponent[]; about: string };
   slaves: readonly { name: string; about: string }[];
   variables: readonly VariableInfo[];
+  /** Names of the command axes: one for each joint of the chain, then the hoist. */
+  axes: readonly string[];
 }
 
 export interface SimulationStatus {
@@ -115,12 +117,8 @@ export interface SimulationStatus {
   you: number;
 }
 
-export interface Axes {
-  slew: number;
-  boom: number;
-  jib: number;
-  hoist: number;
-}
+/** Where the axes stand, by name, each in [-1, 1]. */
+export type Axes = Readonly<Record<string, number>>;
 
 /** Parameters and result of every method. */
 export interface Methods {

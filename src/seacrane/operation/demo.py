@@ -32,7 +32,7 @@ HEADING = 2.5
 """Where the waves go in the ship's frame [rad]: they come from 37 degrees off the starboard bow."""
 
 LOAD_SIZE = (4.0, 3.0, 2.0)
-"""Length, width and height of the load that is drawn [m]."""
+"""Length, width and height of a load of 40 t that is drawn [m]; a lighter one is smaller in all directions."""
 
 TICK = 0.02
 """How often a recorded joystick is read [s]."""
@@ -112,7 +112,10 @@ class Demo:
         waves = self.waves
         return {
             "crane": json.loads(design.to_json(self.crane)),
-            "load": {"mass": self.start.load, "size": list(LOAD_SIZE)},
+            "load": {
+                "mass": self.start.load,
+                "size": [size * min(1.0, self.start.load / 40e3) ** (1 / 3) for size in LOAD_SIZE],
+            },
             "ship": {**SHIP, "pedestal": list(self.crane.pedestal)},
             "sea": {
                 "about": waves.about,

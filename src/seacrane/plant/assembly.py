@@ -167,6 +167,7 @@ def joystick(crane: Crane, rest: Equilibrium, start: Start) -> FunctionSlave:
         release_time=RELEASE_TIME,
         angle_margin=1.0 * deg,
         two_block=min(3.0, 0.5 * start.hanging),
+        rope_zone=min(5.0, 0.4 * start.hanging),
         slack_tension=min(5 * kN, 0.05 * GRAVITY * max(rated.mass for rated in crane.capacity) / crane.hoist.falls),
     )
     return FunctionSlave(settings, inputs=settings.inputs, outputs=settings.outputs, state=settings.start)

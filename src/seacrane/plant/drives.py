@@ -233,13 +233,14 @@ def _linear_drive(
 
 
 def _losses(cylinder: Cylinder | Rods, p_a: float, p_b: float) -> dict[str, float]:
-    """Losses of an extended cylinder: seals that grip with 1 % of the working force, ports that pass its flow."""
+    """Losses of an extended cylinder: seals that grip with 1 % of the working force, ports that pass its flow, a piston
+    that leaks in proportion to its area."""
     push = pi / 4 * cylinder.bore**2 * cylinder.pressure
     return {
         "pressure_a": p_a,
         "pressure_b": p_b,
         "port_diameter": 60 * mm,
-        "leakage": 1e-13,
+        "leakage": 5.6e-13 * cylinder.bore**2,
         "coulomb_friction": 0.01 * push,
         "viscous_friction": 0.02 * push,
     }

@@ -1,10 +1,32 @@
 import { Modal } from "@mantine/core";
+import { craneAxes } from "../../core/axes";
+import { BESIDE, LEFT_ACROSS, LEFT_ALONG, type Place, places, RIGHT_ACROSS, RIGHT_ALONG } from "../../core/driving";
+import type { ModelDescription } from "../../rpc/messages";
+import { keyName } from "./keys";
+import { usePage } from "./usePage";
+
+const PADS = new Map<Place, string>([
+  [LEFT_ACROSS, "Left stick, left / right"],
+  [LEFT_ALONG, "Left stick, forward / back"],
+  [RIGHT_ACROSS, "Right stick, left / right"],
+  [RIGHT_ALONG, "Right stick, back / forward"],
+  [BESIDE[0], "Cross, up / down"],
+  [BESIDE[1], "Cross, right / left"],
+]);
+
+/** What moves each axis of the crane. */
+function driven(model: ModelDescription): [string, string, string][] {
+  const where = places(model.axes);
+  return craneAxes(model).flatMap(({ name, senses }) => {
+    const place = where.get(name);
+    if (!place) return [];
+    const said = `${senses[0]} / ${senses[1]}`;
+    const keys = place.plus.map((plus, i) => `${keyName(plus)} / ${keyName(place.minus[i])}`).join(" or ");
+    return [[said[0].toUpperCase() + said.slice(1), keys, PADS.get(place) ?? ""]];
+  });
+}
 
 const ROWS: readonly (readonly [string, string, string])[] = [
-  ["Slew left / right", "A / D", "Left stick, left / right"],
-  ["Jib out / in", "W / S", "Left stick, forward / back"],
-  ["Boom up / down", "\u2190 / \u2192 or J / L", "Right stick, left / right"],
-  ["Hoist / lower", "\u2193 / \u2191 or K / I (pull back hoists)", "Right stick, back / forward"],
   ["Dead man's switch", "the key itself: let go and the crane stops", "hold A or RB"],
   ["Slowly", "with Shift", "a small deflection"],
   ["Stop everything", "Space", "let go of the button"],
@@ -16,6 +38,8 @@ const ROWS: readonly (readonly [string, string, string])[] = [
 ];
 
 export function Help({ open, onClose }: { open: boolean; onClose: () => void }) {
+  const model = usePage((page) => page.model);
+  const rows = [...(model ? driven(model) : []), ...ROWS];
   return (
     <Modal
       opened={open}
@@ -34,7 +58,7 @@ export function Help({ open, onClose }: { open: boolean; onClose: () => void }) 
           </tr>
         </thead>
         <tbody>
-          {ROWS.map(([what, keys, pad]) => (
+          {rows.map(([what, keys, pad]) => (
             <tr key={what}>
               <td>{what}</td>
               <td>{keys}</td>

@@ -15,9 +15,9 @@ export function Instruments() {
       />
       <section aria-label="Posture">
         <h2>Posture</h2>
-        <Reading label="Slew" value={r?.slew} decimals={1} unit="deg" test="slew" />
-        <Reading label="Main boom" value={r?.boom} decimals={1} unit="deg" test="boom" />
-        <Reading label="Jib" value={r?.jib} decimals={1} unit="deg" test="jib" />
+        {r?.joints.map(({ axis, label, value, unit }) => (
+          <Reading key={axis} label={label} value={value} decimals={unit === "m" ? 2 : 1} unit={unit} test={axis} />
+        ))}
       </section>
       <section aria-label="Hoist">
         <h2>Hoist</h2>
@@ -28,9 +28,9 @@ export function Instruments() {
         <h2>
           Cylinders <small>piston / rod side</small>
         </h2>
-        {(r?.pressures ?? [{ label: "boom", piston: null, rod: null }]).map(({ label, piston, rod }) => (
+        {r?.pressures.map(({ label, piston, rod }) => (
           <div className="reading" key={label}>
-            <span>{label[0].toUpperCase() + label.slice(1)}</span>
+            <span>{label[0].toUpperCase() + label.slice(1).replaceAll("_", " ")}</span>
             <b data-testid={`pressure-${label}`} data-value={piston ?? undefined}>
               {fixed(piston, 0)} / {fixed(rod, 0)}
             </b>

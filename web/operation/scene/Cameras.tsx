@@ -2,6 +2,7 @@ import { OrbitControls } from "@react-three/drei";
 import { useFrame, useThree } from "@react-three/fiber";
 import { type ComponentRef, useEffect, useMemo, useRef } from "react";
 import { MathUtils, Matrix4, type PerspectiveCamera, Vector3 } from "three";
+import { FOOT } from "../../core/design/types";
 import type { View } from "../views";
 import { EYE, toMatrix } from "./Crane";
 import { useDirector } from "./director";
@@ -48,7 +49,8 @@ export function Cameras({ view, request }: { view: View; request: number }) {
     const fresh = placed.current !== key;
     placed.current = key;
     if (view === "cab") {
-      const column = director.frames.get(director.model.crane.links[0].name);
+      const { crane, axes } = director.model;
+      const column = director.frames.get(axes[0] === "slew" ? crane.links[0].name : FOOT);
       if (!column) return;
       m.copy(ship).multiply(new Matrix4().makeTranslation(foot)).multiply(toMatrix(column, new Matrix4()));
       eye.set(...EYE).applyMatrix4(m);

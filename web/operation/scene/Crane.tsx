@@ -1,9 +1,12 @@
 import { useFrame } from "@react-three/fiber";
 import { type ReactNode, useMemo, useRef } from "react";
 import { type Group, Matrix4, Vector3 } from "three";
-import { attachmentPoint, linkEnd, retractedLength } from "../../core/crane";
+import { attachmentPoint, isKnuckleBoom, linkEnd, retractedLength } from "../../core/crane";
+import { furnished } from "../../core/design/standard";
+import type { Crane as Design, Part } from "../../core/design/types";
 import type { Frame } from "../../core/frames";
 import { boomStations, girder, jibStations, lug, type Point2, type Station, sectionAt } from "../../core/solids";
+import { shapeOf } from "../../designer/solid/shapes";
 import type { Attachment, CraneDesign, Cylinder, Link } from "../../rpc/messages";
 import { useDirector } from "./director";
 import { Merged } from "./Merged";
@@ -17,13 +20,17 @@ export function Crane() {
   const { crane } = model;
   return (
     <>
-      {crane.links.map((link, i) => (
-        <OnLink key={link.name} name={link.name}>
-          <Merged>
-            <LinkShape crane={crane} link={link} index={i} />
-          </Merged>
-        </OnLink>
-      ))}
+      {isKnuckleBoom(crane) ? (
+        crane.links.map((link, i) => (
+          <OnLink key={link.name} name={link.name}>
+            <Merged>
+              <LinkShape crane={crane} link={link} index={i} />
+            </Merged>
+          </OnLink>
+        ))
+      ) : (
+        <OfParts crane={crane} />
+      )}
       {crane.cylinders.map((cylinder) => (
         <CylinderSet key={cylinder.name} crane={crane} cylinder={cylinder} />
       ))}
@@ -49,6 +56,25 @@ export function OnLink({ name, children }: { name: string; children: ReactNode }
       {children}
     </group>
   );
+}
+
+/** The links from the parts of their design, of a crane that has no picture of its own. */
+function OfParts({ crane }: { crane: CraneDesign }) {
+  const { links } = useMemo(() => furnished(crane as Design), [crane]); // the server describes the whole design
+  return links.map((link) => (
+    <OnLink key={link.name} name={link.name}>
+      <Merged>
+        {(link.parts ?? []).map((part) => (
+          <mesh key={part.name} geometry={shapeOf(part)} material={painted(part)} />
+        ))}
+      </Merged>
+    </OnLink>
+  ));
+}
+
+function painted(part: Part) {
+  if (part.kind === "sheave" || part.kind === "drum") return m.DARK_STEEL;
+  return part.kind === "box" && part.name === "cabin" ? m.GLASS : m.YELLOW;
 }
 
 function LinkShape({ crane, link, index }: { crane: CraneDesign; link: Link; index: number }) {

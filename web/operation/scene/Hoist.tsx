@@ -1,6 +1,8 @@
 import { useFrame } from "@react-three/fiber";
 import { type ReactNode, useMemo, useRef } from "react";
 import { type Group, Quaternion, Vector3 } from "three";
+import { isKnuckleBoom } from "../../core/crane";
+import { FOOT } from "../../core/design/types";
 import { OnLink, Sheave } from "./Crane";
 import { useDirector } from "./director";
 import { Tube } from "./geometry";
@@ -12,7 +14,9 @@ import { reels, ropePoints } from "./reeving";
 /** Drum, sheaves, rope, hook and load, in the frame of the crane's foot. */
 export function Hoist() {
   const { model } = useDirector();
-  const places = reels(model.crane);
+  const all = reels(model.crane);
+  // Those on a link of a crane that is drawn from its parts are among these.
+  const places = isKnuckleBoom(model.crane) ? all : all.filter(({ link }) => link === FOOT);
   return (
     <>
       {places.map(({ link, x, z, radius }, i) => (
@@ -106,7 +110,9 @@ function Rope() {
   return <mesh geometry={tube.geometry} material={m.WIRE} frustumCulled={false} castShadow />;
 }
 
+/** Height of the hook block [m], and the length of the load for which it is made. */
 const BLOCK = 1.9;
+const FULL = 4;
 
 function HookAndLoad() {
   const director = useDirector();
@@ -131,26 +137,32 @@ function HookAndLoad() {
     group.current.quaternion.copy(turn);
   });
   const [lx, ly, lz] = load.size;
-  const sling = 0.55 * Math.hypot(lx, ly) + 0.6;
-  const top = -BLOCK - sling;
+  const scale = Math.min(1, lx / FULL);
+  const block = scale * BLOCK;
+  const sling = 0.55 * Math.hypot(lx, ly) + 0.6 * scale;
+  const top = -block - sling;
   return (
     <group ref={group}>
       <Merged>
-        <HookBlock />
+        <group scale={scale}>
+          <HookBlock />
+        </group>
         <group rotation={[0, 0, 0.35]}>
           {[-1, 1].flatMap((sx) =>
             [-1, 1].map((sy) => (
               <Bar
                 key={`${sx}:${sy}`}
-                from={[0, 0, -BLOCK]}
-                to={[sx * (lx / 2 - 0.25), sy * (ly / 2 - 0.2), top]}
-                radius={0.035}
+                from={[0, 0, -block]}
+                to={[sx * (lx / 2 - 0.25 * scale), sy * (ly / 2 - 0.2 * scale), top]}
+                radius={0.035 * scale}
                 material={m.WIRE}
                 sides={6}
               />
             )),
           )}
-          <Cargo size={[lx, ly, lz]} at={[0, 0, top - lz / 2]} />
+          <group position={[0, 0, top - lz / 2]} scale={scale}>
+            <Cargo size={[lx / scale, ly / scale, lz / scale]} />
+          </group>
         </group>
       </Merged>
     </group>
@@ -177,11 +189,11 @@ function HookBlock() {
 }
 
 /** An offshore cargo unit: framed box with ribbed sides, padeyes and fork pockets. */
-function Cargo({ size: [lx, ly, lz], at }: { size: V3; at: V3 }) {
+function Cargo({ size: [lx, ly, lz] }: { size: V3 }) {
   const post = 0.22;
   const ribs = Math.max(4, Math.round(lx / 0.55));
   return (
-    <group position={at}>
+    <group>
       <Box size={[lx - 0.16, ly - 0.16, lz - 0.12]} material={m.CARGO} />
       {Array.from({ length: ribs }, (_, i) => {
         const x = -lx / 2 + 0.4 + ((lx - 0.8) * i) / (ribs - 1);

@@ -1,12 +1,16 @@
 // How the rope of the design is laid over round things. The design gives the points of the rope's path without sizes.
 
+import { isKnuckleBoom } from "../../core/crane";
 import { apply, type Frame, unapply } from "../../core/frames";
 import type { Disc, Point2 } from "../../core/rope";
 import { ropePath, slackBow } from "../../core/rope";
 import type { CraneDesign, Vec3 } from "../../rpc/messages";
 
-/** Pitch radius of the sheaves that are drawn [m]. */
-export const SHEAVE_RADIUS = 0.6;
+/** Pitch radius of the sheaves of a knuckle boom crane that are drawn [m]; those of others are parts of their design. */
+const SHEAVE_RADIUS = 0.6;
+
+/** Pitch radius over rope diameter of a sheave that is a standard part. */
+const PITCH = 10;
 
 // The design's tip is where the rope leaves the last sheave. That point moves round the sheave with the jib; it is met
 // exactly with the jib 20 degrees below the horizontal and within 0.15 m for 40 degrees more or less.
@@ -17,12 +21,13 @@ export const TIP_SHEAVE: Point2 = [-SHEAVE_RADIUS * Math.cos(HANG), SHEAVE_RADIU
 
 /** Centre and radius of drum and sheaves in the frame of their links, from the drum to the tip. */
 export function reels(crane: CraneDesign): { link: string; x: number; z: number; radius: number }[] {
-  const { drum, drum_radius: radius, sheaves } = crane.hoist;
+  const { drum, drum_radius: radius, sheaves, rope } = crane.hoist;
+  const own = isKnuckleBoom(crane);
   return [
     { link: drum.link, x: drum.x, z: drum.z - radius, radius },
     ...sheaves.map(({ link, x, z }, i) => {
-      const [dx, dz] = i === sheaves.length - 1 ? TIP_SHEAVE : [0, 0];
-      return { link, x: x + dx, z: z + dz, radius: SHEAVE_RADIUS };
+      const [dx, dz] = own && i === sheaves.length - 1 ? TIP_SHEAVE : [0, 0];
+      return { link, x: x + dx, z: z + dz, radius: own ? SHEAVE_RADIUS : PITCH * rope.diameter };
     }),
   ];
 }

@@ -96,7 +96,8 @@ def _design_in(archive: zipfile.ZipFile, name: str) -> bytes:
         what = "is in the archive twice" if found else "is not in the archive, so it is not a crane"
         raise DesignError.at(f"{name}: {DESIGN}", what)
     if found[0].file_size > _LARGEST_DESIGN:
-        raise DesignError.at(f"{name}: {DESIGN}", f"is larger than {_LARGEST_DESIGN // 2**20} MiB")
+        size = f"{found[0].file_size / 2**20:.4g} MiB"
+        raise DesignError.at(f"{name}: {DESIGN}", f"is larger than {_LARGEST_DESIGN // 2**20} MiB", value=size)
     with archive.open(found[0]) as file:
         content = file.read(_LARGEST_DESIGN + 1)
     if len(content) > _LARGEST_DESIGN:

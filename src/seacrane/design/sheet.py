@@ -10,7 +10,7 @@ from seacrane.design.mesh import joined, mesh
 from seacrane.design.planar import plane_joints
 from seacrane.design.standard import furnished
 from seacrane.results.charts import Line, data_sheet
-from seacrane.units import bar, deg
+from seacrane.units import bar, deg, kN
 
 
 def sheet(crane: Crane, provenance: str) -> bytes:
@@ -98,5 +98,7 @@ def facts(crane: Crane, where: workspace.Section | None = None) -> list[tuple[st
         )
         known.append((c.name, size))
     hoist = crane.hoist
-    known.append(("hoist", f"{hoist.falls} fall(s) of {hoist.rope.diameter * 1e3:.0f} mm, {hoist.speed:.3g} m/s"))
+    falls = "1 fall" if hoist.falls == 1 else f"{hoist.falls} falls"
+    pull = f", line pull {hoist.line_pull / kN:.4g} kN" if hoist.line_pull else ""
+    known.append(("hoist", f"{falls} of {hoist.rope.diameter * 1e3:.0f} mm, rope at {hoist.speed:.3g} m/s{pull}"))
     return known

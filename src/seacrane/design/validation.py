@@ -19,6 +19,7 @@ from seacrane.design.geometry import cylinder_range, retracted_length
 from seacrane.design.mesh import decoded, open_edges
 from seacrane.design.walk import UNREAD, Tree, Walk, build, label, plain
 from seacrane.errors import Problem, nearest
+from seacrane.units import deg
 
 _SHORTEST_AXIS: Final = 1e-6
 """An axis shorter than this, or longer than its inverse, is a mistake rather than a direction."""
@@ -186,15 +187,9 @@ def _inertia(path: str, inertia: list[float] | None) -> list[Problem]:
 def _joint(path: str, joint: Tree) -> list[Problem]:
     limits = joint.get("limits")
     if limits is not None and limits[0] >= limits[1]:
-        symbol = "m" if joint.get("kind") == "prismatic" else "rad"
-        return [
-            Problem(
-                f"{path}.limits",
-                f"the lower limit must be below the upper [{symbol}]",
-                limits,
-                hint="Are they reversed?",
-            )
-        ]
+        unit, symbol = (1.0, "m") if joint.get("kind") == "prismatic" else (deg, "deg")
+        shown = f"{limits[0] / unit:.6g} to {limits[1] / unit:.6g} {symbol}"
+        return [Problem(f"{path}.limits", "the lower limit must be below the upper", shown, hint="Are they reversed?")]
     return []
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
 Vector = npt.NDArray[np.float64]
 Line = tuple[Sequence[float], Sequence[float]]
+
+_CAP = 4.0
+"""Loads beyond so many times their median are drawn as that."""
 
 NOT_CERTIFIED = "Computed from a design. Not a certified load chart."
 
@@ -35,7 +38,7 @@ def draw_load_curves(axes: Axes, curves: Mapping[str, Line]) -> None:
     axes.set_ylim(bottom=0.0)
     axes.grid(True, alpha=0.3)
     axes.legend(title="mode")
-    axes.text(1.0, 1.01, NOT_CERTIFIED, transform=axes.transAxes, ha="right", fontsize="x-small")
+    _disclaim(axes)
 
 
 def load_section(radius: Vector, height: Vector, load: Vector, outline: Sequence[Line] = (), title: str = "") -> Figure:
@@ -45,6 +48,7 @@ def load_section(radius: Vector, height: Vector, load: Vector, outline: Sequence
     """
     figure, axes = _figure(title)
     draw_load_section(figure, axes, radius, height, load, outline)
+    _disclaim(axes)
     return figure
 
 
@@ -52,19 +56,32 @@ def draw_load_section(
     figure: Figure, axes: Axes, radius: Vector, height: Vector, load: Vector, outline: Sequence[Line] = ()
 ) -> None:
     """The picture of `load_section` in given axes of a figure."""
+    from matplotlib.ticker import MaxNLocator
+
     tonnes = np.ma.masked_invalid(load / 1e3)
-    colours = axes.pcolormesh(radius, height, tonnes, cmap="viridis", shading="nearest", rasterized=True)
     most = float(tonnes.max()) if tonnes.count() else 0.0
-    if most > float(tonnes.min() if tonnes.count() else 0.0):
-        levels = np.linspace(0, most, 9)[1:-1]
+    # Close to the slewing axis a moment allows any load: colours are for what is lifted where the crane works.
+    top = min(most, _CAP * float(np.ma.median(tonnes))) if tonnes.count() else 0.0
+    top = top if top > 0 else most or 1.0
+    colours = axes.pcolormesh(
+        radius, height, tonnes, cmap="viridis", shading="nearest", rasterized=True, vmin=0.0, vmax=top
+    )
+    levels = [level for level in MaxNLocator(9, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, top) if 0 < level < most]
+    if levels and float(tonnes.min()) < levels[-1]:
         lines = axes.contour(radius, height, tonnes, levels=levels, colors="white", linewidths=0.7)
-        axes.clabel(lines, fmt="%.0f t" if most > 20 else "%.1f t", fontsize="x-small")
+        axes.clabel(lines, fmt=lambda level: f"{level:g} t", fontsize="x-small")
     for x, z in outline:
-        axes.plot(x, z, color="black", linewidth=1.6, solid_capstyle="round")
-    figure.colorbar(colours, ax=axes, label="load of the best posture [t]")
+        axes.plot(x, z, color="black", linewidth=1.2, solid_capstyle="round")
+    beyond: Literal["max", "neither"] = "max" if most > top else "neither"
+    beside = axes.inset_axes((1.03, 0.0, 0.04, 1.0))
+    figure.colorbar(colours, cax=beside, label="load of the best posture [t]", extend=beyond)
     axes.set_xlabel("radius [m]")
     axes.set_ylabel("height above the foot [m]")
     axes.set_aspect("equal")
+
+
+def _disclaim(axes: Axes) -> None:
+    axes.text(1.0, 1.01, NOT_CERTIFIED, transform=axes.transAxes, ha="right", fontsize="x-small")
 
 
 def _figure(title: str) -> tuple[Figure, Axes]:
@@ -99,14 +116,16 @@ def data_sheet(
     for x, z in drawing:
         side.plot(x, z, color="black", linewidth=0.5)
     side.set(xlabel="x [m]", ylabel="height above the foot [m]", aspect="equal", title="side view")
-    draw_load_section(figure, figure.add_subplot(grid[1, 1]), *section)
+    load = figure.add_subplot(grid[1, 1])
+    draw_load_section(figure, load, *section)
+    load.set_title("harbour", loc="left", fontsize="medium")
     draw_load_curves(figure.add_subplot(grid[2, 0]), curves)
     table = figure.add_subplot(grid[2, 1])
     table.axis("off")
     for row, (what, value) in enumerate(facts):
         y = 1.0 - row / max(len(facts), 1)
         table.text(0.0, y, what, transform=table.transAxes, va="top", fontsize="small")
-        table.text(0.42, y, value, transform=table.transAxes, va="top", fontsize="small")
+        table.text(0.5, y, value, transform=table.transAxes, va="top", fontsize="small")
     figure.text(0.02, 0.003, f"{NOT_CERTIFIED} {provenance}", fontsize="x-small")
     content = io.BytesIO()
     figure.savefig(content, format="pdf", metadata={"CreationDate": None})

@@ -61,7 +61,7 @@ def draw_load_section(
     tonnes = np.ma.masked_invalid(load / 1e3)
     most = float(tonnes.max()) if tonnes.count() else 0.0
     # Close to the slewing axis a moment allows any load: colours are for what is lifted where the crane works.
-    top = min(most, _CAP * float(np.ma.median(tonnes))) if tonnes.count() else 0.0
+    top = min(most, _CAP * float(np.median(tonnes.compressed()))) if tonnes.count() else 0.0
     top = top if top > 0 else most or 1.0
     colours = axes.pcolormesh(
         radius, height, tonnes, cmap="viridis", shading="nearest", rasterized=True, vmin=0.0, vmax=top

@@ -44,8 +44,9 @@ export async function scenarios(all) {
       acceptDownloads: true,
       ...options,
     });
+    // of the pages that a page opens too
+    context.setDefaultTimeout(PATIENCE);
     const page = await context.newPage();
-    page.setDefaultTimeout(PATIENCE);
     page.errors = [];
     page.on("pageerror", (error) => page.errors.push(error.message));
     pages.push(page);

@@ -1,6 +1,7 @@
 // The fields of a design file: what each means, its unit and its bounds. Files are read by them, forms are drawn by them.
 import { decoded } from "./mesh";
 import type { UnitSymbol } from "./quantity";
+import { WAVE_HEIGHTS } from "./types";
 
 interface About {
   readonly label: string;
@@ -23,6 +24,8 @@ export interface QuantityField extends About {
 export interface TextField extends About {
   readonly kind: "text";
   readonly choices?: readonly string[];
+  /** Sentences rather than a word. */
+  readonly long?: boolean;
   /** Why a text cannot be, in words; null if it can. */
   readonly check?: (value: string) => string | null;
   /** Names of links (with the foot) or joints of the crane. */
@@ -45,6 +48,8 @@ export interface ListField extends About {
   readonly kind: "list";
   readonly of: ShapeName | UnitSymbol;
   readonly least?: number;
+  /** What an absent list stands for [SI]. */
+  readonly usual?: readonly number[];
 }
 
 export type ShapeName =
@@ -120,7 +125,7 @@ const shapes: Readonly<Record<Exclude<ShapeName, "part">, Shape>> = {
   crane: {
     format: text("Format"),
     name: text("Name"),
-    about: text("About"),
+    about: text("About", { long: true }),
     links: list("link", "Links", { optional: false, least: 1 }),
     cylinders: list("cylinder", "Cylinders", { optional: false }),
     hoist: shape("hoist", "Hoist"),
@@ -198,7 +203,7 @@ const shapes: Readonly<Record<Exclude<ShapeName, "part">, Shape>> = {
   slew: { joint: text("Joint", { names: "joints" }), speed: size("rpm", "Speed") },
   rating: {
     harbour_factor: q("1", "Dynamic factor in harbour", { least: 1, most: 3, optional: true, absent: "1" }),
-    wave_heights: list("m", "Sea states Hs"),
+    wave_heights: list("m", "Sea states Hs", { usual: WAVE_HEIGHTS }),
     tip_speed_per_height: q("1/s", "Tip speed per Hs", {
       least: 0,
       optional: true,
@@ -222,7 +227,7 @@ const shapes: Readonly<Record<Exclude<ShapeName, "part">, Shape>> = {
   source: {
     of: text("Of"),
     kind: text("Kind", { choices: ["published", "measured", "derived", "fitted", "assumption"] }),
-    note: text("Note"),
+    note: text("Note", { long: true }),
   },
   station: { x: q("m", "x"), top: q("m", "Top"), bottom: q("m", "Bottom"), width: size("m", "Width") },
   girder: {

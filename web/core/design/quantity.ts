@@ -77,7 +77,12 @@ class Reader {
     text: string,
     private readonly shown: UnitSymbol,
   ) {
-    this.text = text.replaceAll("\u2212", "-").trim();
+    this.text = text
+      .replaceAll("\u2212", "-")
+      .replaceAll("\u00b7", ".")
+      .replaceAll("\u00b2", "2")
+      .replaceAll("\u00b3", "3")
+      .trim();
   }
 
   whole(): Term {

@@ -3,8 +3,8 @@ import { useEffect, useState } from "react";
 import { differences, get, type Path } from "../../core/design/edit";
 import { fieldsOf, type QuantityField, type ShapeName, unitOf, type VectorField } from "../../core/design/fields";
 import { written } from "../../core/design/quantity";
-import type { Crane } from "../../core/design/types";
-import { DASH } from "../../core/units";
+import { type Crane, HARBOUR, modeLabel, modes } from "../../core/design/types";
+import { DASH, symbol } from "../../core/units";
 import { Charts } from "../charts";
 import { useDesigner } from "../context";
 import { versions } from "../saving";
@@ -18,7 +18,7 @@ const MOST_ROWS = 200;
 export function CompareDialog({ open, onClose }: { open: boolean; onClose: () => void }) {
   return (
     <Modal opened={open} onClose={onClose} title="Compare" size="80rem" transitionProps={{ duration: 80 }}>
-      {open && <Compare />}
+      <Compare />
     </Modal>
   );
 }
@@ -91,8 +91,8 @@ function Overlay({ a, b, mode, charts }: { a: Crane; b: Crane; mode: string; cha
         ]}
       />
       <p className="hint">
-        {mode}: <b className="mine">{a.name}</b> and <b className="theirs">{b.name}</b> (dashed). Not a certified load
-        chart.
+        {modeLabel(modes(a).find(({ name }) => name === mode) ?? HARBOUR)}: <b className="mine">{a.name}</b> and{" "}
+        <b className="theirs">{b.name}</b> (dashed). Not a certified load chart.
       </p>
     </div>
   );
@@ -147,7 +147,7 @@ function shown(crane: Crane, path: Path, value: unknown): string {
     if (!field) break;
     if (field.kind === "quantity" || field.kind === "vector") {
       const unit = unitOf(key, field as QuantityField | VectorField, owner);
-      return `${written(value, unit)} ${unit === "1" ? "" : unit}`;
+      return `${written(value, unit)} ${unit === "1" ? "" : symbol(unit)}`;
     }
     shape = field.kind === "shape" ? field.shape : field.kind === "list" ? (field.of as ShapeName) : null;
   }

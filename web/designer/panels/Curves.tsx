@@ -1,4 +1,4 @@
-import { useEffect, useState } from "react";
+import { useEffect, useId, useState } from "react";
 import type { Curve } from "../../core/design/curve";
 import { type Crane, modeLabel, modes } from "../../core/design/types";
 import { fixed, TONNE } from "../../core/units";
@@ -60,6 +60,7 @@ export interface Line {
 
 export function Plot({ lines, rated = [] }: { lines: readonly Line[]; rated?: Crane["capacity"] }) {
   const { ref, width, height } = usePlotSize(0.72, 420);
+  const area = useId();
   const [at, setAt] = useState<number | null>(null);
   const chosen = lines.find((line) => line.kind === "chosen")?.curve;
   const furthest = Math.max(1, ...lines.map(({ curve }) => curve.radius.at(-1) ?? 0));
@@ -92,7 +93,7 @@ export function Plot({ lines, rated = [] }: { lines: readonly Line[]; rated?: Cr
         }}
         onPointerLeave={() => setAt(null)}
       >
-        <clipPath id="plot-area">
+        <clipPath id={area}>
           <rect x={LEFT} y={4} width={width - LEFT} height={height - BOTTOM - 4} />
         </clipPath>
         {Array.from({ length: Math.floor(furthest / every) + 1 }, (_, i) => i * every).map((radius) => (
@@ -111,7 +112,7 @@ export function Plot({ lines, rated = [] }: { lines: readonly Line[]; rated?: Cr
             </text>
           </g>
         ))}
-        <g clipPath="url(#plot-area)">
+        <g clipPath={`url(#${area})`}>
           {order.map(({ curve, kind }) => (
             <polyline
               key={`${kind} ${curve.mode}`}
@@ -140,7 +141,7 @@ export function Plot({ lines, rated = [] }: { lines: readonly Line[]; rated?: Cr
       <p className="hint">
         {load !== undefined && load >= 0
           ? `${fixed(load / TONNE, 1)} t at ${fixed(chosen!.radius[band], 1)} m: ${chosen!.governs[band]} governs`
-          : "Best posture at each radius; circles: rated loads of the design"}
+          : `Best posture at each radius${rated.length ? "; circles: rated loads of the design" : ""}`}
       </p>
     </>
   );

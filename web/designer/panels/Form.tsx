@@ -13,6 +13,7 @@ import {
 } from "../../core/design/fields";
 import { type UnitSymbol, written } from "../../core/design/quantity";
 import { type Crane, FOOT } from "../../core/design/types";
+import { symbol } from "../../core/units";
 import { useBench, useDesigner } from "../context";
 import { NumberField } from "./NumberField";
 
@@ -114,6 +115,10 @@ function One({ name, field, path, owner }: { name: string; field: Field; path: P
         </fieldset>
       );
     case "list":
+      if (value == null && field.usual) {
+        const absent = `${field.usual.join(", ")} ${symbol(field.of)}`;
+        return <Absent field={{ ...field, absent }} path={path} start={field.usual} />;
+      }
       return <List field={field} path={path} value={(value as unknown[]) ?? []} />;
   }
 }
@@ -180,6 +185,14 @@ function Text({
               <option key={choice}>{choice}</option>
             ))}
           </select>
+        ) : field.long ? (
+          <textarea
+            id={id}
+            key={value}
+            rows={2}
+            defaultValue={value}
+            onBlur={(event) => save(event.currentTarget.value.trim())}
+          />
         ) : (
           <input
             id={id}

@@ -54,7 +54,13 @@ export function Inspector() {
               : [],
           ),
         ])}
-        {node("hoist", { kind: "hoist" }, "hoist", `${crane.hoist.falls ?? 1} falls`, 1)}
+        {node(
+          "hoist",
+          { kind: "hoist" },
+          "hoist",
+          crane.hoist.falls && crane.hoist.falls > 1 ? `${crane.hoist.falls} falls` : "1 fall",
+          1,
+        )}
         {node("rating", { kind: "rating" }, "rating", "limits, sea states", 1)}
         <p className="tools">
           <button
@@ -69,7 +75,7 @@ export function Inspector() {
           </button>
         </p>
       </nav>
-      <div className="details" data-testid="details">
+      <div className="details" data-testid="details" key={JSON.stringify({ ...selection, part: null })}>
         <Details selection={selection} />
       </div>
     </>
@@ -148,23 +154,16 @@ function Details({ selection }: { selection: Selection }) {
       return (
         <>
           <h2>Rating</h2>
-          <Form
-            shape="crane"
-            path={[]}
-            without={[
-              "format",
-              "name",
-              "about",
-              "links",
-              "cylinders",
-              "hoist",
-              "slew",
-              "bulk_modulus",
-              "pedestal",
-              "sources",
-              "capacity",
-            ]}
-          />
+          {crane.rating ? (
+            <Form shape="rating" path={["rating"]} />
+          ) : (
+            <p className="absent">
+              None: usual sea states, no heel, no limits but those of cylinders, rope and winch{" "}
+              <button type="button" className="plain" onClick={() => designer.edit("add rating", ["rating"], {})}>
+                Set
+              </button>
+            </p>
+          )}
         </>
       );
   }

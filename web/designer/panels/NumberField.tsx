@@ -1,5 +1,6 @@
 import { type KeyboardEvent, type PointerEvent, useEffect, useId, useState } from "react";
 import { alike, factor, parsed, type UnitSymbol, written } from "../../core/design/quantity";
+import { symbol } from "../../core/units";
 
 interface Props {
   label: string;
@@ -97,7 +98,7 @@ export function NumberField(props: Props) {
         onBlur={commit}
         onKeyDown={key}
       />
-      <span className="unit">{unit === "1" ? "" : unit === "deg" ? "\u00b0" : unit}</span>
+      <span className="unit">{unit === "1" ? "" : symbol(unit)}</span>
       {message && (
         <p id={`${id}-wrong`} className="wrong">
           {message}

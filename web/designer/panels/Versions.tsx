@@ -13,7 +13,7 @@ export function VersionsDialog({ open, onClose }: { open: boolean; onClose: () =
       size="lg"
       transitionProps={{ duration: 80 }}
     >
-      {open && <Versions onClose={onClose} />}
+      <Versions onClose={onClose} />
     </Modal>
   );
 }
@@ -22,11 +22,16 @@ function Versions({ onClose }: { onClose: () => void }) {
   const { designer } = useBench();
   const [kept, setKept] = useState(versions);
   const { crane } = designer.store.getState();
-  const [name, setName] = useState(`${crane.name} ${kept.length + 1}`);
+  const [name, setName] = useState(unused(crane.name, kept));
+  const [removed, setRemoved] = useState<{ readonly version: Version; readonly before: readonly Version[] } | null>(
+    null,
+  );
   const keep = (next: readonly Version[]) => {
     try {
       keepVersions(next);
       setKept([...next]);
+      setName(unused(crane.name, next));
+      setRemoved(null);
     } catch {
       designer.tell("This browser keeps no more: remove versions, or save to a file.", "wrong");
     }
@@ -54,6 +59,7 @@ function Versions({ onClose }: { onClose: () => void }) {
             </span>
             <button
               type="button"
+              aria-label={`Open ${version.name}`}
               onClick={() => {
                 designer.open(version.crane);
                 onClose();
@@ -61,13 +67,35 @@ function Versions({ onClose }: { onClose: () => void }) {
             >
               Open
             </button>
-            <button type="button" onClick={() => keep(kept.filter((other) => other !== version))}>
+            <button
+              type="button"
+              aria-label={`Remove ${version.name}`}
+              onClick={() => {
+                keep(kept.filter((other) => other !== version));
+                setRemoved({ version, before: kept });
+              }}
+            >
               Remove
             </button>
           </li>
         ))}
       </ul>
+      {removed && (
+        <p className="hint" role="status">
+          {removed.version.name} is removed.{" "}
+          <button type="button" className="plain" onClick={() => keep(removed.before)}>
+            Put it back
+          </button>
+        </p>
+      )}
       {kept.length === 0 && <p className="hint">None yet. The work itself is kept by itself, once a second.</p>}
     </div>
   );
+}
+
+/** The crane's name with the least number that no version has yet. */
+function unused(name: string, kept: readonly Version[]): string {
+  let i = 1;
+  while (kept.some((version) => version.name === `${name} ${i}`)) i += 1;
+  return `${name} ${i}`;
 }

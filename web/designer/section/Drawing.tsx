@@ -24,7 +24,7 @@ export function Drawing({ window, arc }: { window: Window; arc: (link: number) =
   const hook: Point = [tip[0], tip[1] - HANG];
   return (
     <g className="crane">
-      <polygon className="pedestal" points={standing(crane).map(px).join(" ")} />
+      {crane.slew && <polygon className="pedestal" points={standing(crane).map(px).join(" ")} />}
       {links.map(({ name, shapes }, index) => (
         <g
           key={name}

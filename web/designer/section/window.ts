@@ -48,6 +48,7 @@ export function bounds(crane: Crane): { low: Point; high: Point } {
     const at = frames(crane, posture);
     for (const pose of at.values()) take([pose.x, pose.z]);
     take(pin(at, end));
+    for (const { base, eye } of crane.cylinders) for (const one of [base, eye]) take(pin(at, one));
   }
   return { low, high };
 }

@@ -122,9 +122,11 @@ export function Machine({ crane, at, explode, planes, centres, onClick }: Props)
           <meshBasicMaterial color="#d6336c" depthTest={false} transparent />
         </mesh>
       )}
-      <mesh position={[0, 0, -0.5 * foot.depth]} rotation={[Math.PI / 2, 0, 0]} material={FOUNDATION}>
-        <cylinderGeometry args={[foot.top, foot.bottom, foot.depth, 40]} />
-      </mesh>
+      {crane.slew && (
+        <mesh position={[0, 0, -0.5 * foot.depth]} rotation={[Math.PI / 2, 0, 0]} material={FOUNDATION}>
+          <cylinderGeometry args={[foot.top, foot.bottom, foot.depth, 40]} />
+        </mesh>
+      )}
     </>
   );
 }

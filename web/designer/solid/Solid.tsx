@@ -83,7 +83,7 @@ export default function Solid() {
           <gridHelper
             args={[2 * grid * Math.ceil(size / grid), 2 * Math.ceil(size / grid)]}
             rotation={[Math.PI / 2, 0, 0]}
-            position={[0, 0, -pedestal(crane).depth]}
+            position={[0, 0, crane.slew ? -pedestal(crane).depth : 0]}
           >
             <lineBasicMaterial color="#6b7d89" transparent opacity={0.28} depthWrite={false} />
           </gridHelper>

@@ -21,7 +21,7 @@ const GRIDS: Readonly<Record<number, readonly (readonly number[])[]>> = {
 };
 const SEA: Mode = { name: "hs2.0", waveHeight: 2 };
 const CELLS = 600;
-const SAMPLE = 5000;
+const SAMPLE = 2000;
 
 export interface Row {
   readonly design: string;

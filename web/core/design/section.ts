@@ -31,6 +31,7 @@ export interface Section {
 export type Grid = readonly ArrayLike<number>[];
 
 const MOST_POSTURES = 1_000_000;
+const MOST_COORDINATES = 1200;
 /** So that fewer cells are fewer postures, where any number of them could be looked at. */
 const POSTURES_PER_CELL = 2.8;
 
@@ -63,9 +64,9 @@ export function arms(crane: Crane): number[] {
   });
 }
 
-function finest(crane: Crane, cell: number): Float64Array[] {
+function finest(crane: Crane, cell: number, most = MOST_COORDINATES): Float64Array[] {
   const reach = arms(crane);
-  return planeJoints(crane).map((joint, k) => spread(joint, reach[k], cell, 2, 1200));
+  return planeJoints(crane).map((joint, k) => spread(joint, reach[k], cell, 2, most));
 }
 
 /** The grid of postures for a raster: fine in the last two joints, coarser in those before. */
@@ -84,19 +85,20 @@ export function postures(crane: Crane, cell: number, atMost = MOST_POSTURES): Fl
 // Three joints leave a choice of postures for each point. The best one is where a joint is at its end, or where two limits
 // bind at once, which coordinates far apart miss, in places by half the load.
 
-/** Of three joints: either of the last two at its ends, the others fine. */
-function ends(crane: Crane, cell: number): Grid[] {
+/** Of three joints: either of the last two at its ends, the others fine, with so many coordinates each at most. */
+function ends(crane: Crane, cell: number, most: number): Grid[] {
   const joints = planeJoints(crane);
   if (joints.length !== 3) return [];
-  const fine = finest(crane, LOOSE * cell);
+  const fine = finest(crane, LOOSE * cell, most);
   return [1, 2].flatMap((k) => (joints[k].limits ?? []).map((end) => fine.map((all, i) => (i === k ? [end] : all))));
 }
 
-/** Of three joints and more: ever more coordinates of those before the last two, between all before (Halton's sequence). */
+/** Of three joints and more: the ends, then ever more coordinates before the last two, between all before (Halton's sequence). */
 function* layers(crane: Crane, cell: number): Generator<Grid> {
   const joints = planeJoints(crane);
   const chosen = joints.length - 2;
   if (chosen < 1) return;
+  yield* ends(crane, cell, MOST_COORDINATES);
   const fine = finest(crane, LOOSE * cell);
   for (let layer = 1; layer <= LAYERS; layer += 1)
     yield fine.map((all, k) => {
@@ -143,10 +145,11 @@ export class Rasteriser {
     this.grids = [];
     this.swept = 0;
     this.further = layers(crane, view.cell);
-    for (const grid of ends(crane, view.cell)) this.sweep(crane, mode, view, grid);
     const most = Math.min(POSTURES_PER_CELL * cells, MOST_POSTURES);
-    const left = Math.max(most - this.swept, most / 4);
-    this.sweep(crane, mode, view, postures(crane, view.cell, left));
+    // four grids of half of the postures
+    const perJoint = Math.floor(Math.sqrt(most / 8));
+    for (const grid of ends(crane, view.cell, perJoint)) this.sweep(crane, mode, view, grid);
+    this.sweep(crane, mode, view, postures(crane, view.cell, most - this.swept));
     return this.finished(crane, view, planeJoints(crane).length < 3);
   }
 

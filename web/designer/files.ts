@@ -4,7 +4,7 @@ import { joined, mesh, stl } from "../core/design/mesh";
 import { furnished } from "../core/design/standard";
 import type { Crane } from "../core/design/types";
 import { download } from "./saving";
-import { checked, exported, imported } from "./server";
+import { checked, exported, imported, inWords } from "./server";
 import type { DesignerStore } from "./store";
 
 /** The page's inputs of files, by their ids. */
@@ -51,6 +51,6 @@ export function saveMeshes(crane: Crane): string {
 
 export async function judge(crane: Crane): Promise<string> {
   const problems = await checked(crane);
-  if (problems.length) throw new Error(problems.map(({ path, message }) => `${path}: ${message}`).join("\n"));
+  if (problems.length) throw new Error(problems.map(inWords).join("\n"));
   return `${crane.name} is sound: the package finds nothing wrong.`;
 }

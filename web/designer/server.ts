@@ -99,9 +99,8 @@ export async function changed(crane: Crane, changes: Record<string, number>): Pr
 }
 
 /** All that the package finds wrong. */
-export async function checked(crane: Crane): Promise<Problem[]> {
-  const answer = await (await post("check", text(crane), "application/json")).json();
-  return Array.isArray(answer) ? answer : answer.problems;
+export async function checked(crane: Crane): Promise<Told[]> {
+  return (await (await post("check", text(crane), "application/json")).json()).problems;
 }
 
 /** The address of an operation page with this crane in this posture. */

@@ -32,6 +32,11 @@ class _Part(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_f
     density: Annotated[Density, Meta(gt=0)] = STEEL
 
 
+class _Pinned(_Part, frozen=True, kw_only=True):
+    x: Annotated[Length, Meta(description="of the pin or axle")]
+    z: Annotated[Length, Meta(description="of the pin or axle")]
+
+
 class Girder(_Part, frozen=True, kw_only=True, tag="girder"):
     """A tapering box of plates along the link, closed at both ends: boom, jib, telescope section, leg of a frame."""
 
@@ -50,11 +55,9 @@ class Tube(_Part, frozen=True, kw_only=True, tag="tube"):
     thickness: Annotated[Length, Meta(gt=0, description="of the wall")]
 
 
-class Lug(_Part, frozen=True, kw_only=True, tag="lug"):
+class Lug(_Pinned, frozen=True, kw_only=True, tag="lug"):
     """A pair of eye plates that hold a pin, growing from a root on the structure."""
 
-    x: Annotated[Length, Meta(description="of the pin")]
-    z: Annotated[Length, Meta(description="of the pin")]
     root_x: Annotated[Length, Meta(description="of the middle of the root")]
     root_z: Annotated[Length, Meta(description="of the middle of the root")]
     root_width: Annotated[Length, Meta(gt=0, description="of the root along the structure")]
@@ -65,22 +68,18 @@ class Lug(_Part, frozen=True, kw_only=True, tag="lug"):
     y: Annotated[Length, Meta(description="of the middle of the pair, to port")] = 0.0
 
 
-class Sheave(_Part, frozen=True, kw_only=True, tag="sheave"):
+class Sheave(_Pinned, frozen=True, kw_only=True, tag="sheave"):
     """A rope sheave on a pin across the link."""
 
-    x: Annotated[Length, Meta(description="of the pin")]
-    z: Annotated[Length, Meta(description="of the pin")]
     radius: Annotated[Length, Meta(gt=0, description="to the rim")]
     groove: Annotated[Length, Meta(gt=0, description="depth of the groove")]
     width: Annotated[Length, Meta(gt=0, description="across the rim")]
     hole: Annotated[Diameter, Meta(gt=0, description="of the pin")]
 
 
-class Drum(_Part, frozen=True, kw_only=True, tag="drum"):
+class Drum(_Pinned, frozen=True, kw_only=True, tag="drum"):
     """A winch drum with two flanges, its axle across the link."""
 
-    x: Annotated[Length, Meta(description="of the axle")]
-    z: Annotated[Length, Meta(description="of the axle")]
     radius: Annotated[Length, Meta(gt=0, description="of the barrel")]
     length: Annotated[Length, Meta(gt=0, description="between the outer sides of the flanges")]
     flange: Annotated[Length, Meta(gt=0, description="radius of the flanges")]

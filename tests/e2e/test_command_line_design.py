@@ -62,3 +62,10 @@ def test_a_search_is_resumed_from_its_file(tmp_path: Path, capsys: pytest.Captur
     told = capsys.readouterr()
     assert "generation 2 of 2" in told.err
     assert "designs that none beats in every goal" in told.out
+    kept = front.read_bytes()
+    assert main(["design", "optimise", "a-frame-30t", "--front", str(front), "--generations", "3"]) == 2
+    assert "is the front of another design (got 'offshore-100t'); allowed: a-frame-30t" in capsys.readouterr().err
+    spec.write_text(spec.read_text().replace("reach", "weight"))
+    assert main([*command, "--spec", str(spec), "--generations", "3"]) == 2
+    assert "is the front of a search for other sizes or goals than --spec has" in capsys.readouterr().err
+    assert front.read_bytes() == kept

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from seacrane.design import Crane
     from seacrane.design.chart import Mode
     from seacrane.results import Figure
+    from seacrane.studies import Front
 
 
 def add(commands: Commands) -> None:
@@ -128,11 +129,13 @@ def _optimise(options: argparse.Namespace) -> int:
     state = studies.read(options.front) if options.front.exists() else None
     variables: tuple[studies.Variable, ...] = ()
     goals: tuple[studies.Goal, ...] = ()
-    if state is None:
-        if options.spec is None:
-            raise ParameterError.at("--spec", "is needed to begin a search", hint="See docs: optimisation of a design.")
+    if options.spec is not None:
         data = documents.parsed(documents.read(options.spec, ParameterError), options.spec, ParameterError)
         variables, goals = studies.specification(data, crane)
+    elif state is None:
+        raise ParameterError.at("--spec", "is needed to begin a search", hint="See docs: optimisation of a design.")
+    if state is not None:
+        _goes_on(state, crane, (variables, goals), options.front)
     search = studies.optimise(
         crane,
         variables,
@@ -157,6 +160,19 @@ def _optimise(options: argparse.Namespace) -> int:
         print("  ".join([*sizes, *shown]))
     print(f"{options.front}: {int(front.best.sum())} designs that none beats in every goal")
     return 0
+
+
+def _goes_on(state: Front, crane: Crane, wanted: tuple[object, object], path: Path) -> None:
+    """Refuse to go on from the front of another search as if it were the one asked for."""
+    hint = "Name another file for another search."
+    if state.crane != crane:
+        raise ParameterError.at(
+            str(path), "is the front of another design", value=state.crane.name, allowed=crane.name, hint=hint
+        )
+    if wanted != ((), ()) and wanted != (state.variables, state.wanted):
+        raise ParameterError.at(
+            str(path), "is the front of a search for other sizes or goals than --spec has", hint=hint
+        )
 
 
 def _export(options: argparse.Namespace) -> int:

@@ -139,7 +139,7 @@ def specification(data: object, crane: Crane) -> tuple[tuple[Variable, ...], tup
         span = max(0.25 * abs(now), 0.2 if ("base" in path or "eye" in path) else 0.0)
         bounds = [item.get("low", now - span), item.get("high", now + span)]
         if not all(isinstance(b, int | float) and math.isfinite(b) for b in bounds):
-            problems.append(Problem(f"variables[{index}]", "low and high must be numbers in m"))
+            problems.append(Problem(f"variables[{index}]", "low and high must be numbers in m", bounds, "finite"))
             continue
         variables.append(Variable(path, float(bounds[0]), float(bounds[1])))
     for index, item in enumerate(_list(data, "goals", problems)):

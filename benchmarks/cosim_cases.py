@@ -235,8 +235,9 @@ class Alone:
 
     def step(self, steps: int) -> None:
         while steps > 0:
-            count = min(steps, len(self.rows))
-            table = self.rows.ctypes.data, self.rows.shape[1]
+            first = self.done % len(self.rows)
+            count = min(steps, len(self.rows) - first)
+            table = self.rows[first:].ctypes.data, self.rows.shape[1]
             arguments = ctypes.addressof(self.fmus), len(self.fmus), *table, self.done, self.done + count
             assert self.replay(*arguments, self.case.step) == 0
             self.done += count

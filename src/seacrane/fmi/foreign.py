@@ -45,9 +45,8 @@ _SAVED: Final = slice(State.time.offset, State.message.offset)
 @cache
 def adapter() -> ctypes.CDLL:
     """The compiled adapter. `CompileError` if there is no C compiler."""
-    library = ctypes.CDLL(
-        str(build_library("foreign", source("foreign.h", "foreign.c", "foreign_solver.c", "logger.c", "typed.c")))
-    )
+    sources = source("rodas.h", "foreign.h", "foreign.c", "foreign_solver.c", "logger.c", "typed.c")
+    library = ctypes.CDLL(str(build_library("foreign", sources)))
     library.seacrane_foreign_room.restype = c_size_t
     library.seacrane_foreign_room.argtypes = [c_int64, c_int64]
     library.seacrane_foreign_begin.argtypes = [c_void_p, c_double]

@@ -23,8 +23,8 @@ from seacrane.native import source
 from seacrane.units import UNITS, Unit
 
 CORE = source(
-    "model.h", "core.h", "interface.h", "fmi2.h", "fmi3.h", "linear.c", "instance.c", "evaluate.c", "values.c",
-    "newton.c", "integrate.c", "explicit.c", "events.c", "simulate.c", "interface.c", "fmi2.c", "fmi3.c",
+    "model.h", "core.h", "rodas.h", "interface.h", "fmi2.h", "fmi3.h", "linear.c", "instance.c", "evaluate.c",
+    "values.c", "newton.c", "integrate.c", "explicit.c", "events.c", "simulate.c", "interface.c", "fmi2.c", "fmi3.c",
 )  # fmt: skip
 """The C files that every model is compiled with."""
 

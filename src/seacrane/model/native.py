@@ -271,6 +271,7 @@ class NativeInstance:
     ) -> Reals:
         """Runs over `times` [s] in one call and returns the variables of `record` at each: (len(times), len(record)).
 
+        Outputs end no step of the adaptive method, unless the model has events; they are interpolated to the tolerance.
         `inputs` gives for each input its sample times and values: held between samples, or joined by straight lines if
         `linear`. A time given twice is a jump. Raises `SolveError` if a step fails, with the rows before as `results`.
         """

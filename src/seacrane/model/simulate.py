@@ -83,6 +83,9 @@ def simulate(
     relative, of adaptive solvers. progress: True shows a bar if the run takes longer than two seconds, False does not,
     None does so on a terminal; a function is called with the time reached and `until`. (SUNDIALS reports the end only.)
 
+    Outputs within a step of RODAS4 come from the method's own interpolation, of order 3, whose error is held to the
+    tolerance as well; they end no step, unless the model has events.
+
     The result's `statistics` tell steps, CPU time and real-time factor, its `doubts` what not to believe.
 
     Raises `ParameterError` for an unknown name, `SolveError` where the integration fails; its `results` are then the

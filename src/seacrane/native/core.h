@@ -53,15 +53,23 @@ struct workspace {
     double jacobian[ROOM(NZ) * ROOM(NZ)]; /* dalg/dz, while newton.c works with another matrix */
     double f[ROOM(N)], ft[ROOM(N)], stage[6][ROOM(N)], right[ROOM(N)], trial[ROOM(N)], error[ROOM(N)];
     double rate[ROOM(N)], misfit[ROOM(N)], size[ROOM(N)], u[ROOM(NU)];
-    double start[ROOM(N)], start_u[2 * ROOM(NU)], k[ROOM(N)], sum[ROOM(N)]; /* of explicit.c */
+    double left, left_y[ROOM(N)], left_u[2 * ROOM(NU)]; /* time, state and inputs of a point that has been left for a while */
+    double k[ROOM(N)], sum[ROOM(N)];                    /* of explicit.c */
     double indicator[ROOM(NE)], due[ROOM(NE)], after[NX + ROOM(NM)]; /* of events.c */
-    double between[ROOM(N)], course[5][ROOM(NE)];                   /* within a step, of integrate.c */
+    double second[ROOM(N)], third[ROOM(N)], between[ROOM(N)], course[5][ROOM(NE)]; /* within a step, of integrate.c */
     double nonzeros[ROOM(NNZ)], nonzeros_alg[ROOM(NNZ_ALG)];
     double dy[ROOM(N)], du[ROOM(NU)], dp[ROOM(NP)], df[ROOM(N)], doutput[ROOM(NY)]; /* a direction, and derivatives along it */
     const double *argument[WORK_ARG];
     double *result[WORK_RES];
     double w[WORK_REAL];
     int iw[WORK_INT];
+};
+
+struct rows { /* values[count][outputs] that are wanted at times, not falling; the first `done` rows are there */
+    size_t count, done, outputs;
+    const double *time;
+    const uint32_t *reference;
+    double *value;
 };
 
 #define LOOKUP_SIZE 64
@@ -97,6 +105,8 @@ void instance_reset(struct instance *m);
 int instance_accepts(struct instance *m, const struct state *saved);
 int instance_restore(struct instance *m, const struct state *saved);
 void changed(struct instance *m);
+void leave_point(struct instance *m);
+void return_to_point(struct instance *m);
 int fail(struct instance *m, const char *format, ...); /* records the message; returns 1 */
 
 /* evaluate.c */
@@ -118,7 +128,7 @@ void matrix_solve(struct instance *m, const double *b, double *x);
 
 /* newton.c, integrate.c */
 int solve_algebraic(struct instance *m);
-int integrate(struct instance *m, double end);
+int integrate(struct instance *m, double end, struct rows *rows);
 void advance_to(struct instance *m, double t);
 
 /* explicit.c */
@@ -138,6 +148,7 @@ int get_values(struct instance *m, const uint32_t *reference, size_t count, doub
 int set_values(struct instance *m, const uint32_t *reference, size_t count, const double *value);
 int set_slopes(struct instance *m, const uint32_t *reference, size_t count, const int32_t *order, const double *value);
 void end_ramps(struct instance *m);
+int record(struct instance *m, struct rows *rows);
 INSIDE_END
 
 #endif

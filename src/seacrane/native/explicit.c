@@ -12,7 +12,7 @@
 static void go(struct instance *m, double t, double h, const double *k)
 {
     for (int i = 0; i < NX; i++)
-        m->state.y[i] = m->work.start[i] + h * k[i];
+        m->state.y[i] = m->work.left_y[i] + h * k[i];
     move_to(m, t);
     changed(m);
 }
@@ -65,13 +65,10 @@ static const char *first_not_finite(const struct instance *m)
 static int explicit_step(struct instance *m, double h)
 {
     struct state *s = &m->state;
-    struct workspace *w = &m->work;
     double before = s->time;
     if (!s->consistent && solve_algebraic(m) != 0)
         return 1;
-    memcpy(w->start, s->y, N * sizeof(double));
-    memcpy(w->start_u, s->u, NU * sizeof(double));
-    memcpy(w->start_u + NU, s->slope, NU * sizeof(double));
+    leave_point(m);
     int failed = m->explicit_order == 1 ? euler(m, h) : runge_kutta(m, h);
     const char *culprit = first_not_finite(m);
     if (culprit != NULL)
@@ -79,13 +76,8 @@ static int explicit_step(struct instance *m, double h)
                          "method", culprit, h, before);
     if (!failed && NE > 0) /* indicators may depend on algebraic unknowns */
         failed = solve_algebraic(m);
-    memcpy(w->trial, s->y, N * sizeof(double));
-    memcpy(s->y, w->start, N * sizeof(double));
-    memcpy(s->u, w->start_u, NU * sizeof(double));
-    memcpy(s->slope, w->start_u + NU, NU * sizeof(double));
-    s->time = before;
-    s->consistent = 1;
-    m->fresh = 0;
+    memcpy(m->work.trial, s->y, N * sizeof(double));
+    return_to_point(m);
     return failed;
 }
 

@@ -6,13 +6,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "rodas.h"
+
 #if defined(_WIN32)
 #define EXPORT __declspec(dllexport)
 #else
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-#define STAGES 6           /* of the integration method */
 #define MOST_STEPS 1000000 /* in one call; beyond it the model is chattering, and a run would seem to hang */
 
 enum { OK, WARNING, DISCARD, ERROR };

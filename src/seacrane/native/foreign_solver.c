@@ -1,6 +1,5 @@
-/* FMUs for model exchange (FMI 2 or 3), integrated here: RODAS of order 4 with step size control (Hairer & Wanner, Solving
-   Ordinary Differential Equations II, sections IV.7 and VI.4, coefficients of table 4.2), its Jacobian from directional
-   derivatives or from differences.
+/* FMUs for model exchange (FMI 2 or 3), integrated here: RODAS (rodas.h) with step size control, its Jacobian from
+   directional derivatives or from differences.
 
    Step, time and state events end a step; the time of a state event is found by repeating the step with smaller sizes, so
    that the state there is a solution and no interpolation (FMI 2.0.4, section 3.2; FMI 3.0.1, section 3.2). */
@@ -9,8 +8,6 @@
 #include <float.h>
 #include <math.h>
 #include <string.h>
-
-#define GAMMA 0.25
 
 static int residual(const foreign_t *s, double t, const double *y, double *f)
 {
@@ -97,25 +94,6 @@ static void solve(int64_t n, const double *a, const double *pivot, double *b)
             b[i] -= a[k * n + i] * b[k];
     }
 }
-
-static const double A[STAGES][STAGES - 1] = {
-    {0},
-    {1.544000000000000},
-    {0.9466785280815826, 0.2557011698983284},
-    {3.314825187068521, 2.896124015972201, 0.9986419139977817},
-    {1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950},
-    {1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 1},
-};
-static const double C[STAGES][STAGES - 1] = {
-    {0},
-    {-5.668800000000000},
-    {-2.430093356833875, -0.2063599157091915},
-    {-0.1073529058151375, -9.594562251023355, -20.47028614809616},
-    {7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160},
-    {8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054},
-};
-static const double ALPHA[STAGES] = {0, 0.386, 0.21, 0.63, 1, 1};
-static const double DELTA[STAGES] = {0.25, -0.1043, 0.1035, -0.0362000000000023, 0, 0};
 
 /* A step of size h into `trial`; `error` gets its error relative to the tolerance, infinite if it cannot be done. */
 static int attempt(foreign_t *s, const work_t *w, double h, double *error)
@@ -251,14 +229,14 @@ int foreign_exchange(foreign_t *s, double end)
             if (foreign_failed(status = attempt(s, &w, h, &error)))
                 return foreign_said(s, status, "the derivatives could not be evaluated");
             if (!(error <= 1)) {
-                s->next_step = h * (error < HUGE_VAL ? fmax(0.1, 0.9 * pow(error, -0.25)) : 0.1);
+                s->next_step = h * (error < HUGE_VAL ? fmax(0.1, growth(error)) : 0.1);
                 rejected = 1;
                 s->rejected++;
                 if (s->next_step < least)
                     return foreign_said(s, ERROR, "the step size became too small");
                 continue;
             }
-            scale = fmin(rejected ? 1 : 5, 0.9 * pow(fmax(error, 1e-10), -0.25));
+            scale = fmin(rejected ? 1 : 5, growth(fmax(error, 1e-10)));
             if (s->n)
                 s->next_step = last ? fmax(s->next_step, h * scale) : h * scale;
             if (crossed(s, &w, h, &status, &part)) {

@@ -101,6 +101,29 @@ void changed(struct instance *m)
     m->fresh = 0;
 }
 
+/* Keeps where the instance is, so that it can be moved to look at another point. */
+void leave_point(struct instance *m)
+{
+    struct workspace *w = &m->work;
+    w->left = m->state.time;
+    memcpy(w->left_y, m->state.y, N * sizeof(double));
+    memcpy(w->left_u, m->state.u, NU * sizeof(double));
+    memcpy(w->left_u + NU, m->state.slope, NU * sizeof(double));
+    m->fresh = 0;
+}
+
+/* Back to that point, whose algebraic unknowns were known. */
+void return_to_point(struct instance *m)
+{
+    struct workspace *w = &m->work;
+    m->state.time = w->left;
+    memcpy(m->state.y, w->left_y, N * sizeof(double));
+    memcpy(m->state.u, w->left_u, NU * sizeof(double));
+    memcpy(m->state.slope, w->left_u + NU, NU * sizeof(double));
+    m->state.consistent = 1;
+    m->fresh = 0;
+}
+
 int fail(struct instance *m, const char *format, ...)
 {
     va_list arguments;

@@ -1,44 +1,17 @@
 /* Integration of the index-1 DAE  M y' = f(t, y),  M = diag(1 for states, 0 for algebraic unknowns).
 
-   Adaptive: RODAS, a Rosenbrock method of order 4 with an embedded error estimate of order 3, L-stable and stiffly
-   accurate, so that one linear system with one matrix per step is all that it costs to be implicit
-   (Hairer & Wanner, Solving Ordinary Differential Equations II, section IV.7 and VI.4; coefficients of table 4.2 and
-   their program RODAS, in the transformed form (7.25) that needs no products with the Jacobian).
+   Adaptive: RODAS (rodas.h), for which one linear system with one matrix per step is all that it costs to be implicit.
    Fixed step: the linearly implicit Euler method, order 1, for a bounded cost per step. */
 #include "core.h"
+#include "rodas.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
-#define STAGES 6
-#define GAMMA 0.25
 #define BENT 0.01  /* of an indicator between points of its course, against the cubic through them */
 #define SHORT 1e-4 /* [s]; within this time an indicator may jump */
-#define MOST_STEPS 1000000 /* in one call; beyond it the model is chattering, and a run would seem to hang */
-
-static const double A[STAGES][STAGES - 1] = {
-    {0},
-    {1.544000000000000},
-    {0.9466785280815826, 0.2557011698983284},
-    {3.314825187068521, 2.896124015972201, 0.9986419139977817},
-    {1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950},
-    {1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 1},
-};
-static const double C[STAGES][STAGES - 1] = {
-    {0},
-    {-5.668800000000000},
-    {-2.430093356833875, -0.2063599157091915},
-    {-0.1073529058151375, -9.594562251023355, -20.47028614809616},
-    {7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160},
-    {8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054},
-};
-static const double ALPHA[STAGES] = {0, 0.386, 0.21, 0.63, 1, 1};
-static const double DENSE[2][STAGES - 1] = {
-    {10.12623508344586, -7.487995877610167, -34.80091861555747, -7.992771707568823, 1.025137723295662},
-    {-0.6762803392806887, 6.087714651680015, 16.43084320892478, 24.76722511418386, -6.594389125716872},
-};
-static const double DELTA[STAGES] = {0.25, -0.1043, 0.1035, -0.0362000000000023, 0, 0};
+#define MOST_STEPS 1000000 /* in one call, or from row to row; beyond it the model chatters, and a run would seem to hang */
 
 static const char *name_of(int index)
 {
@@ -58,7 +31,8 @@ static int factor(struct instance *m, double s, const double *b, double *x)
 }
 
 /* to = base, with the sum of weight[j] stage[j] over the first `count` stages added in the first n components. */
-static void combine(const struct workspace *w, const double *base, int n, int count, const double *weight, double *to)
+static void combine(const struct workspace *w, const double *base, int n, int count, const double *weight,
+                    double *restrict to)
 {
     memcpy(to, base, N * sizeof(double));
     for (int j = 0; j < count; j++)
@@ -93,19 +67,26 @@ static int rodas_step(struct instance *m, double h)
     return 0;
 }
 
-/* The solution at a share of the step that has been tried, to third order. */
+/* Makes ready for `within` a step that has been tried. */
+static void bend(struct instance *m)
+{
+    struct workspace *w = &m->work;
+    memset(w->second, 0, N * sizeof(double));
+    memset(w->third, 0, N * sizeof(double));
+    for (int j = 0; j < STAGES - 1; j++)
+        for (int i = 0; i < N; i++) {
+            w->second[i] += DENSE[0][j] * w->stage[j][i];
+            w->third[i] += DENSE[1][j] * w->stage[j][i];
+        }
+}
+
+/* The solution at a share of that step, to third order. */
 static const double *within(struct instance *m, double share)
 {
     struct workspace *w = &m->work;
     double rest = 1 - share;
-    for (int i = 0; i < N; i++) {
-        double second = 0, third = 0;
-        for (int j = 0; j < STAGES - 1; j++) {
-            second += DENSE[0][j] * w->stage[j][i];
-            third += DENSE[1][j] * w->stage[j][i];
-        }
-        w->between[i] = rest * m->state.y[i] + share * (w->trial[i] + rest * (second + share * third));
-    }
+    for (int i = 0; i < N; i++)
+        w->between[i] = rest * m->state.y[i] + share * (w->trial[i] + rest * (w->second[i] + share * w->third[i]));
     return w->between;
 }
 
@@ -133,6 +114,7 @@ static double share_to_take(struct instance *m, double h)
 {
     struct workspace *w = &m->work;
     const struct state *s = &m->state;
+    bend(m);
     for (int k = 0; k < POINTS; k++) {
         const double *y = k == 0 ? s->y : k == POINTS - 1 ? w->trial : within(m, POINT[k]);
         evaluate_indicators(m, s->time + POINT[k] * h, y, w->course[k]);
@@ -152,26 +134,54 @@ static double share_to_take(struct instance *m, double h)
     return 1;
 }
 
-/* Root mean square of the error relative to tolerance; infinite if anything is not finite. `culprit` gets the index
-   of the largest. */
-static double error_norm(struct instance *m, int *culprit)
+static double tolerated(const struct instance *m, int i)
 {
-    const struct workspace *w = &m->work;
-    double sum = 0, largest = -1, tolerance = m->state.setting[TOLERANCE];
+    double before = fabs(m->state.y[i]), after = fabs(m->work.trial[i]);
+    return m->state.setting[TOLERANCE] * (model_nominal_y[i] + (after > before ? after : before));
+}
+
+/* Root mean square of the error relative to what is tolerated; infinite if anything is not finite. */
+static double error_norm(const struct instance *m)
+{
+    double sum = 0;
     for (int i = 0; i < N; i++) {
-        double scale = tolerance * (model_nominal_y[i] + fmax(fabs(m->state.y[i]), fabs(w->trial[i])));
-        double relative = fabs(w->error[i]) / scale;
-        if (!isfinite(relative) || !isfinite(w->trial[i])) {
-            *culprit = i;
-            return HUGE_VAL;
-        }
+        double relative = m->work.error[i] / tolerated(m, i);
+        sum += relative * relative + 0 * m->work.trial[i]; /* which is no number if the value is not finite */
+    }
+    return isfinite(sum) ? sqrt(sum / ROOM(N)) : HUGE_VAL;
+}
+
+/* The error of the solution within the step of size h that has been tried, where it is looked at: its defect there, as far
+   as it matters to the unknowns. Quantities that follow from others without delay are right at the end of a step of any
+   size; it is only here that the error of what lies between them shows. */
+static double error_within(struct instance *m, double h)
+{
+    struct workspace *w = &m->work;
+    const double share = 0.4;
+    bend(m);
+    evaluate_residual(m, m->state.time + share * h, within(m, share), w->right);
+    for (int i = 0; i < NX; i++)
+        w->right[i] -= (w->trial[i] - m->state.y[i] + (1 - 2 * share) * w->second[i]
+                        + share * (2 - 3 * share) * w->third[i]) / h;
+    matrix_solve(m, w->right, w->error);
+    return error_norm(m);
+}
+
+/* The component whose error is the largest, or the first one that is not finite. */
+static int culprit_of(const struct instance *m)
+{
+    int culprit = 0;
+    double largest = -1;
+    for (int i = 0; i < N; i++) {
+        double relative = fabs(m->work.error[i]) / tolerated(m, i);
+        if (!isfinite(relative) || !isfinite(m->work.trial[i]))
+            return i;
         if (relative > largest) {
             largest = relative;
-            *culprit = i;
+            culprit = i;
         }
-        sum += relative * relative;
     }
-    return sqrt(sum / ROOM(N));
+    return culprit;
 }
 
 /* The first component of f that is not a finite number, or -1. */
@@ -192,18 +202,29 @@ void advance_to(struct instance *m, double t)
     m->statistics.steps++;
 }
 
-/* By which factor the step size may change after a step of this error, of order 4. Square roots are rounded alike by
-   every C library, pow is not: so the same steps are taken on all platforms. */
-static double growth(double error)
+/* Records the rows before time t, which lie within the step of size h that has been found good. Steps are counted from the
+   last row on. */
+static int record_within(struct instance *m, double h, double t, struct rows *rows, int *count)
 {
-    return 0.9 / sqrt(sqrt(error));
+    for (; rows->done < rows->count && rows->time[rows->done] < t; *count = 0) {
+        double at = rows->time[rows->done];
+        leave_point(m);
+        memcpy(m->state.y, within(m, (at - m->state.time) / h), N * sizeof(double));
+        move_to(m, at);
+        int failed = record(m, rows);
+        return_to_point(m);
+        if (failed)
+            return 1;
+    }
+    return 0;
 }
 
-static int adaptive(struct instance *m, double end)
+/* Gives the rows on its way, if there are any. */
+static int adaptive(struct instance *m, double end, struct rows *rows)
 {
     struct state *s = &m->state;
     double least = fmax(1e-14, 16 * DBL_EPSILON * fmax(fabs(s->time), fabs(end)));
-    int known = 0, rejected = 0, culprit = 0, event = 0;
+    int known = 0, rejected = 0, event = 0;
     for (int count = 0; s->time < end; count++) {
         double left = end - s->time, h = s->next_step, scale;
         int last = 1.01 * h >= left;
@@ -213,14 +234,16 @@ static int adaptive(struct instance *m, double end)
             h = left / 2; /* two equal steps rather than one long and one sliver */
         if (!known) {
             evaluate_jacobian(m, s->time, s->y);
-            culprit = first_not_finite(m->work.f);
-            if (culprit >= 0)
+            int first = first_not_finite(m->work.f);
+            if (first >= 0)
                 return fail(m, "the equations give no finite value at t = %.9g s; first is the one of %s", s->time,
-                            name_of(culprit));
+                            name_of(first));
             known = 1;
         }
         int singular = rodas_step(m, h);
-        double error = singular ? HUGE_VAL : error_norm(m, &culprit);
+        double error = singular ? HUGE_VAL : error_norm(m), next = last ? end : s->time + h;
+        if (error <= 1 && rows != NULL && rows->time[rows->done] < next)
+            error = fmax(error, error_within(m, h));
         if (error <= 1) {
             scale = fmin(rejected ? 1 : NE > 0 ? 2 : 5, growth(fmax(error, 1e-10)));
             double share = NE > 0 ? share_to_take(m, h) : 1;
@@ -240,6 +263,8 @@ static int adaptive(struct instance *m, double end)
                 if (h < whole)
                     s->next_step = fmin(s->next_step, whole);
             }
+            if (rows != NULL && record_within(m, h, next, rows, &count) != 0)
+                return 1;
             advance_to(m, last && !event ? end : s->time + h);
             known = rejected = 0;
             if (event && settle(m) != 0)
@@ -254,11 +279,11 @@ static int adaptive(struct instance *m, double end)
                                 : fail(m,
                                        "the step size fell below %.3g s at t = %.9g s; %s could not be integrated to "
                                        "the tolerance %.3g",
-                                       least, s->time, name_of(culprit), s->setting[TOLERANCE]);
+                                       least, s->time, name_of(culprit_of(m)), s->setting[TOLERANCE]);
         }
         if (count == MOST_STEPS)
             return fail(m, "%d steps did not reach t = %.9g s; at t = %.9g s the step size is %.3g s, limited by %s",
-                        MOST_STEPS, end, s->time, h, name_of(culprit));
+                        MOST_STEPS, end, s->time, h, name_of(culprit_of(m)));
     }
     return 0;
 }
@@ -298,16 +323,24 @@ static int fixed(struct instance *m, double end)
     return 0;
 }
 
-/* From the present time to `end`; on failure the instance stays at the last good point. */
-int integrate(struct instance *m, double end)
+/* From the present time to `end`; on failure the instance stays at the last good point. If `rows` are wanted (the next of
+   them in the future), those before the end are recorded where their values within steps are known. Otherwise the end is
+   the first of them: so it is with other methods than RODAS, and if there are events, lest one is over before the next step
+   begins. */
+int integrate(struct instance *m, double end, struct rows *rows)
 {
+    int adapts = m->explicit_order == 0 && m->state.setting[FIXED_STEP] == 0;
+    if (rows != NULL && (!adapts || NE > 0 || N == 0)) {
+        end = fmin(end, rows->time[rows->done]);
+        rows = NULL;
+    }
     if (NE > 0 ? settle(m) : !m->state.consistent && solve_algebraic(m) != 0) /* inputs may have jumped */
         return 1;
     if (N == 0 && NE == 0) {
         advance_to(m, end);
         return 0;
     }
-    if (m->explicit_order > 0)
-        return integrate_explicitly(m, end);
-    return m->state.setting[FIXED_STEP] > 0 ? fixed(m, end) : adaptive(m, end);
+    if (adapts)
+        return adaptive(m, end, rows);
+    return m->explicit_order > 0 ? integrate_explicitly(m, end) : fixed(m, end);
 }

@@ -75,7 +75,7 @@ int step(struct instance *m, const char *function, double from, double size)
     m->state.time = from;
     if (m->state.sloped == USED_UP)
         end_ramps(m);
-    if (integrate(m, from + size) != 0)
+    if (integrate(m, from + size, NULL) != 0)
         return DISCARDED;
     if (m->state.sloped == RAMPED)
         m->state.sloped = USED_UP;

@@ -33,39 +33,42 @@ static int apply(struct instance *m, const struct samples *s, size_t next, doubl
     return 0;
 }
 
-/* Runs from the present time over `times` (not falling), writing the chosen variables at each into
-   result[count][outputs]. Integration stops at each sample of the inputs as well. Returns an FMI status; `done` counts
-   the rows that were written. */
-EXPORT int seacrane_simulate(struct instance *m, size_t count, const double *times, const struct samples *inputs,
-                             size_t outputs, const uint32_t *reference, double *result, size_t *done)
+static int run(struct instance *m, const struct samples *inputs, struct rows *rows)
 {
     size_t next = 0;
-    *done = 0;
     if (m->state.phase != STEPPING) {
         fail(m, "the model must be initialized before it is simulated");
         return FAILED;
     }
-    while (next < inputs->count && inputs->time[next] <= m->state.time)
-        next++;
-    if (apply(m, inputs, next, m->state.time) != 0)
-        return FAILED;
-    for (size_t row = 0; row < count; row++) {
-        while (m->state.time < times[row]) {
-            int at_sample = next < inputs->count && inputs->time[next] <= times[row];
-            if (integrate(m, at_sample ? inputs->time[next] : times[row]) != 0)
-                return DISCARDED;
-            if (at_sample) {
-                while (next < inputs->count && inputs->time[next] <= m->state.time)
-                    next++;
-                if (apply(m, inputs, next, m->state.time) != 0)
-                    return FAILED;
-            }
-        }
-        if (get_values(m, reference, outputs, result + row * outputs) != 0)
+    for (int at_sample = 1;;) {
+        while (next < inputs->count && inputs->time[next] <= m->state.time)
+            next++;
+        if (at_sample && apply(m, inputs, next, m->state.time) != 0)
             return FAILED;
-        *done = row + 1;
+        while (rows->done < rows->count && rows->time[rows->done] <= m->state.time)
+            if (record(m, rows) != 0)
+                return FAILED;
+        if (rows->done == rows->count)
+            return DONE;
+        double end = rows->time[rows->count - 1];
+        if (next < inputs->count)
+            end = fmin(end, inputs->time[next]);
+        if (integrate(m, end, rows) != 0)
+            return DISCARDED;
+        at_sample = next < inputs->count && inputs->time[next] <= m->state.time;
     }
-    return DONE;
+}
+
+/* Runs from the present time over `times` (not falling), writing the chosen variables at each into
+   result[count][outputs]. Integration stops at each sample of the inputs. Returns an FMI status; `done` counts the rows
+   that were written. */
+EXPORT int seacrane_simulate(struct instance *m, size_t count, const double *times, const struct samples *inputs,
+                             size_t outputs, const uint32_t *reference, double *result, size_t *done)
+{
+    struct rows rows = {count, 0, outputs, times, reference, result};
+    int status = run(m, inputs, &rows);
+    *done = rows.done;
+    return status;
 }
 
 /* From now on explicit steps: Euler's method (order 1) or Runge-Kutta (order 4); order 0 goes back to the settings. */

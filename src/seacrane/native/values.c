@@ -164,3 +164,12 @@ int set_slopes(struct instance *m, const uint32_t *reference, size_t count, cons
             m->state.sloped = RAMPED;
     return 0;
 }
+
+/* The next row, from the present point. */
+int record(struct instance *m, struct rows *rows)
+{
+    if (get_values(m, rows->reference, rows->outputs, rows->value + rows->done * rows->outputs) != 0)
+        return 1;
+    rows->done++;
+    return 0;
+}

@@ -79,6 +79,32 @@ def test_a_rate_of_a_million_per_second_costs_no_small_steps() -> None:
         assert run.statistics.steps < 500
 
 
+def forced(model: NativeModel, tolerance: float, count: int, x: str = "x") -> tuple[float, int]:
+    """The largest error against cos t of a run over 10 s that gives so many values, and its steps."""
+    times = np.linspace(0, 10, count)
+    with model.instantiate() as run:
+        run.set("solver.tolerance", tolerance)
+        run.initialize(0.0)
+        return float(abs(run.simulate(times, [x])[:, 0] - np.cos(times)).max()), run.statistics.steps
+
+
+@pytest.mark.parametrize("rate", [0.0, 1.0, 30.0, 1e6])
+def test_values_between_steps_are_as_good_as_the_tolerance_and_end_no_step(rate: float) -> None:
+    model = scalar(lambda t, x: -rate * (x - ca.cos(t)) - ca.sin(t))  # x = cos t
+    for tolerance in (1e-4, 1e-7):
+        error, steps = forced(model, tolerance, 5001)
+        assert error < 10 * tolerance
+        assert steps < 600
+        assert abs(steps - forced(model, tolerance, 501)[1]) < 5
+
+
+def test_unknowns_that_follow_time_alone_are_right_between_steps() -> None:
+    t, z, none = ca.SX.sym("t"), ca.SX.sym("z"), ca.SX(0, 1)
+    alg = z + z**3 - ca.cos(t) - ca.cos(t) ** 3
+    model = build(Dae("led", (), (Variable("z"),), (), (), (), (), t, none, z, none, none, none, alg, none, none))
+    assert forced(model, 1e-5, 1001, "z")[0] < 1e-4
+
+
 def test_an_oscillator_loses_energy_only_within_the_tolerance_and_never_gains() -> None:
     t, x, none = ca.SX.sym("t"), ca.SX.sym("x", 2), ca.SX(0, 1)
     energy = column((x[0] ** 2 + x[1] ** 2) / 2)
@@ -106,7 +132,10 @@ def test_an_oscillator_loses_energy_only_within_the_tolerance_and_never_gains() 
     with model.instantiate() as run:
         run.set("solver.tolerance", 1e-7)
         run.initialize(0.0)
-        stored = run.simulate(np.linspace(0, 200, 101), ["E"])[:, 0]
+        stored = [run.get("E")]
+        for t in range(0, 200, 2):  # at the ends of steps
+            run.step(t, 2)
+            stored.append(run.get("E"))
     assert np.all(np.diff(stored) <= 1e-12)
     assert stored[-1] == pytest.approx(0.5, rel=1e-4)
 
@@ -172,8 +201,8 @@ def test_order_4_holds_with_inputs_on_straight_lines() -> None:
         with model.instantiate() as run:
             run.set("solver.tolerance", 0.1)
             run.initialize(0.0)
-            grid = h * np.arange(1, round(2 / h) + 1)
-            errors.append(abs(run.simulate(grid, ["x"], {"u": ([0.0, 3.0], [0.0, 3.0])}, linear=True)[-1, 0] - 1 / 5))
+            grid = h * np.arange(round(2 / h) + 2)  # a step ends at each sample
+            errors.append(abs(run.simulate([2.0], ["x"], {"u": (grid, grid)}, linear=True)[0, 0] - 1 / 5))
     assert np.log2(errors[:-1] / np.array(errors[1:])) == pytest.approx([4, 4], abs=0.25)
 
 

@@ -55,15 +55,16 @@ def overlay(name: str, runs: Mapping[str, Recording], reference: Recording, unit
     above, below = figure.subplots(2, 1, sharex=True)
     for label, run in runs.items():
         above.plot(run.time, factor * run[name], label=label)
-        there = np.interp(run.time, reference.time, reference[name])
-        below.plot(run.time, factor * (run[name] - there), label=label)
+        apart = factor * (run[name] - np.interp(run.time, reference.time, reference[name]))
+        below.plot(run.time, apart, label=label, zorder=2 + 1 / (1 + np.abs(apart).max()))  # the closest in front
     above.plot(reference.time, factor * reference[name], "k--", linewidth=0.8, label="reference")
     above.set_ylabel(units.labelled(name, shown))
     below.set_ylabel(units.labelled("deviation", shown))
     below.set_xlabel("time [s]")
     for ax in (above, below):
         ax.grid(True, alpha=0.3)
-    above.legend(loc="best", fontsize="small")
+    columns = 2 if max(map(len, runs), default=0) < 50 else 1
+    figure.legend(*above.get_legend_handles_labels(), loc="outside lower center", ncols=columns, fontsize="small")
     return figure
 
 

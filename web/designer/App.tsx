@@ -7,6 +7,7 @@ import { Curves } from "./panels/Curves";
 import { Files } from "./panels/Files";
 import { Help } from "./panels/Help";
 import { Inspector } from "./panels/Inspector";
+import { LinkDialog } from "./panels/Link";
 import { NewDialog } from "./panels/New";
 import { Notice } from "./panels/Notice";
 import { Optimise } from "./panels/Optimise";
@@ -148,6 +149,7 @@ function Dialogs() {
       <NewDialog open={dialog === "new"} onClose={view.close} />
       <VersionsDialog open={dialog === "versions"} onClose={view.close} />
       <CompareDialog open={dialog === "compare"} onClose={view.close} />
+      <LinkDialog open={dialog === "link"} onClose={view.close} />
       <Help />
       <Palette />
     </>

@@ -9,6 +9,7 @@ import { matches, takesKeys } from "../core/keys";
 import { fixed, TONNE } from "../core/units";
 import type { Bench } from "./context";
 import { attempt, choose, DESIGN_FILE, FRONT_FILE, judge, MESH_FILE, saveArchive, saveMeshes } from "./files";
+import { copyLink } from "./link";
 import { saveJson } from "./saving";
 import { SHIPPED } from "./shipped";
 import { simulate } from "./simulate";
@@ -103,6 +104,8 @@ function ofDesign(bench: Bench): Command[] {
     },
     dialog("versions", "Versions\u2026"),
     dialog("compare", "Compare with another design\u2026"),
+    { id: "copy-link", group, label: "Copy link", keys: ["L"], run: () => copyLink(bench) },
+    dialog("link", "Open a link\u2026"),
     {
       id: "save-json",
       group,

@@ -6,6 +6,7 @@ import { createRoot } from "react-dom/client";
 import { App } from "./App";
 import { Charts } from "./charts";
 import { createLayout } from "./layout";
+import { openLink } from "./link";
 import { autosave, recovered } from "./saving";
 import { createSearch } from "./search";
 import { given } from "./server";
@@ -45,6 +46,16 @@ const bench = {
   sections: new Charts(),
   curves: new Charts(),
 };
+
+// The fragment goes once it is read: a reload finds the work since then, not the link again.
+const follow = () => {
+  if (location.hash.length < 2) return;
+  const link = location.hash;
+  history.replaceState(null, "", location.pathname + location.search);
+  openLink(bench, link).catch((error: Error) => designer.tell(error.message, "wrong"));
+};
+follow();
+addEventListener("hashchange", follow);
 
 createRoot(document.getElementById("root")!).render(
   <StrictMode>

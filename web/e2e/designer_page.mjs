@@ -2,7 +2,19 @@
 import assert from "node:assert/strict";
 import { readFile, writeFile } from "node:fs/promises";
 import { join } from "node:path";
-import { downloaded, output, painted, scenarios, until, violations } from "./bench.mjs";
+import {
+  choose,
+  downloaded,
+  drag,
+  output,
+  painted,
+  reading,
+  scenarios,
+  shown,
+  told,
+  until,
+  violations,
+} from "./bench.mjs";
 
 const width = async (page, panel) => Math.round((await page.locator(`#panel-${panel}`).boundingBox())?.width ?? 0);
 
@@ -154,8 +166,114 @@ async function saves_a_front_and_opens_it_again(open) {
   await other.waitForSelector("[data-testid=generation][data-value='2']");
 }
 
+async function opens_a_copied_link_as_it_was_seen_and_loses_no_work(open) {
+  const page = await open({ permissions: ["clipboard-read", "clipboard-write"] });
+  await drag(page, "end-jib", 40, 0);
+  await page.getByTestId("mode-hs1.5").click();
+  await page.getByTestId("select-jib_cylinder").click();
+  await shown(page, "both");
+  await page.getByRole("button", { name: "Closer" }).click();
+  const solid = await page.locator("[data-testid=solid] canvas").boundingBox();
+  await page.mouse.move(solid.x + 100, solid.y + 300);
+  await page.mouse.down();
+  await page.mouse.move(solid.x + 160, solid.y + 320, { steps: 5 });
+  await page.mouse.up();
+  await page.keyboard.press("l");
+  await told(page, /Copied a link of \d+ characters/);
+  const address = await page.evaluate(() => navigator.clipboard.readText());
+  assert.match(address, /^http:\/\/127\.0\.0\.1:\d+\/designer\.html#crane=1\.[\w-]+$/, "no token is in it");
+  const seen = async (of) => ({
+    jib: await reading(of, "end-jib"),
+    posture: await reading(of, "joint-boom"),
+    mode: await of.getByTestId("mode-hs1.5").getAttribute("aria-pressed"),
+    selected: await of.getByTestId("select-jib_cylinder").getAttribute("aria-current"),
+    show: await of.getByTestId("show-both").getAttribute("aria-pressed"),
+    scale: await of.locator(".grid .axis").getAttribute("x1"),
+  });
+  const sent = await seen(page);
+
+  // Somebody else, in the middle of work of their own.
+  const other = await open({ permissions: ["clipboard-read", "clipboard-write"] });
+  await drag(other, "end-jib", -30, 0);
+  const [jib, name] = [await reading(other, "end-jib"), "offshore-100t before a link"];
+  await until("the work to be kept", () =>
+    other.evaluate(() => localStorage.getItem("seacrane.designer.current") !== null),
+  );
+  await other.goto(address);
+  await told(other, new RegExp(`Opened the link to offshore-100t. What you had is kept as the version .${name}`));
+  await until(
+    "the crane of the link, seen as it was",
+    async () => JSON.stringify(await seen(other)) === JSON.stringify(sent),
+  );
+  assert.equal(new URL(other.url()).hash, "", "a reload does not open it again");
+  await other.getByTestId("copy-link").click();
+  await told(other, /Copied/);
+  const back = await other.evaluate(() => navigator.clipboard.readText());
+  assert.equal(back, address, "the link of what was opened is the same, with camera and zoom");
+  await other.getByTestId("undo").click();
+  await until("the work from before", async () => (await reading(other, "end-jib")) === jib);
+  await choose(other, "versions");
+  await other.getByText(name).waitFor();
+  await other.keyboard.press("Escape");
+
+  // A broken one is refused in words, in the address or in the dialog, and nothing changes.
+  await other.goto(address.slice(0, -20));
+  await told(other, /The link is not opened. It is cut off or damaged: copy all of it/);
+  assert.equal(await reading(other, "end-jib"), jib);
+  await choose(other, "link");
+  const dialog = other.getByTestId("link-dialog");
+  await dialog.getByLabel("Open a link").fill("https://example.org/#crane=7.x");
+  await dialog.getByRole("button", { name: "Open" }).click();
+  await dialog.getByRole("alert").getByText("is of a later version (7)").waitFor();
+  assert.deepEqual(await violations(other), []);
+  await dialog.getByLabel("Open a link").fill(address);
+  await dialog.getByLabel("Open a link").press("Enter");
+  await until("the jib of the link", async () => (await reading(other, "end-jib")) === sent.jib);
+  await until("the dialog to close", async () => (await dialog.count()) === 0);
+}
+
+async function drags_numbers_finely_and_reckons_them(open) {
+  const page = await open();
+  await page.getByTestId("select-boom_cylinder").click();
+  const details = page.getByTestId("details");
+  const stroke = details.getByLabel("Stroke", { exact: true });
+  const before = Number(await stroke.inputValue());
+  const box = await stroke.boundingBox();
+  const pull = async (dx, { shift = false, abandon = false } = {}) => {
+    const [x, y] = [box.x + 20, box.y + box.height / 2];
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    if (shift) await page.keyboard.down("Shift");
+    await page.mouse.move(x + dx, y, { steps: 6 });
+    if (shift) await page.keyboard.up("Shift");
+    if (abandon) await page.keyboard.press("Escape");
+    await page.mouse.up();
+  };
+  const value = (wanted) =>
+    until(`a stroke of ${wanted}`, async () => Math.abs(Number(await stroke.inputValue()) - wanted) < 1e-9);
+  await pull(21);
+  await value(before + 0.5);
+  await pull(21, { shift: true });
+  await value(before + 0.55);
+  await pull(40, { abandon: true });
+  await value(before + 0.55);
+  await page.getByTestId("undo").click();
+  await value(before + 0.5);
+  await page.getByTestId("undo").click();
+  await value(before);
+
+  // Pressed and not moved, it is typed in.
+  await stroke.click();
+  assert.ok(await stroke.evaluate((element) => element === document.activeElement));
+  await page.keyboard.type("2*1.5 m + 8 in");
+  await page.keyboard.press("Enter");
+  await value(3.2032);
+}
+
 await scenarios({
   gives_every_command_by_a_few_letters_and_keys_alone,
   moves_folds_and_swaps_panels_and_remembers_them,
   saves_a_front_and_opens_it_again,
+  opens_a_copied_link_as_it_was_seen_and_loses_no_work,
+  drags_numbers_finely_and_reckons_them,
 });

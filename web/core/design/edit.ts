@@ -36,7 +36,10 @@ export function within(joint: Joint, value: number): number {
 /** The posture with every joint of the crane, and no other, within its limits. */
 export function fitting(crane: Crane, posture: Posture): Posture {
   return Object.fromEntries(
-    crane.links.map(({ joint }) => [joint.name, within(joint, posture[joint.name] ?? resting(joint))]),
+    crane.links.map(({ joint }) => [
+      joint.name,
+      within(joint, Object.hasOwn(posture, joint.name) ? posture[joint.name] : resting(joint)),
+    ]),
   );
 }
 

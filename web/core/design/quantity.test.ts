@@ -13,6 +13,7 @@ describe("a quantity", () => {
 
   it("may be reckoned, with units where they make sense", () => {
     expect(parsed("18 + 0.5", "m")).toBe(18.5);
+    expect(parsed("2*3.5 m", "m")).toBe(7);
     expect(parsed("2*(1.5 m + 300 mm)", "m")).toBeCloseTo(3.6, 12);
     expect(parsed("1 m + 1", "mm")).toBeCloseTo(1.001, 12);
     expect(parsed("100/4", "bar")).toBeCloseTo(25e5, 6);

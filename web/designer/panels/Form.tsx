@@ -61,7 +61,7 @@ function useQuantity(path: Path, label: string) {
       if (!designer.store.getState().dragging) designer.begin();
       designer.change(changed(value));
     },
-    onDragged: () => designer.end(label),
+    onDragged: (cancelled: boolean) => (cancelled ? designer.cancel() : designer.end(label)),
   };
 }
 

@@ -189,7 +189,7 @@ function Coordinate({ index }: { index: number }) {
         if (!designer.store.getState().dragging) designer.begin();
         designer.change(to(next));
       }}
-      onDragged={() => designer.end("posture")}
+      onDragged={(cancelled) => (cancelled ? designer.cancel() : designer.end("posture"))}
     />
   );
 }

@@ -1,6 +1,11 @@
-import { type KeyboardEvent, type PointerEvent, useEffect, useId, useState } from "react";
+import { type KeyboardEvent, type PointerEvent, useEffect, useId, useRef, useState } from "react";
 import { alike, factor, parsed, type UnitSymbol, written } from "../../core/design/quantity";
 import { symbol } from "../../core/units";
+import { follow } from "../pointer";
+
+/** A step for so many pixels, and what Shift makes of a step. */
+const PIXELS = 4;
+const FINE = 0.1;
 
 interface Props {
   label: string;
@@ -13,13 +18,16 @@ interface Props {
   /** Why a value cannot be, in words; null if it can. */
   check?: (value: number) => string | null;
   onChange: (value: number | undefined) => void;
-  /** While the label is dragged: the first call begins what `onDragged` ends. */
+  /**
+   * While it is dragged: the first call begins what `onDragged` ends, or takes back. Without them the value is given once,
+   * when the drag ends.
+   */
   onDrag?: (value: number) => void;
-  onDragged?: () => void;
+  onDragged?: (cancelled: boolean) => void;
   compact?: boolean;
 }
 
-/** A quantity with its unit: typed, reckoned (`18 + 0.5`, `8 ft`), stepped by the arrows, dragged by its label. */
+/** A quantity with its unit: typed, reckoned (`18 + 0.5`, `8 ft`), stepped by the arrows, dragged. */
 export function NumberField(props: Props) {
   const { label, value, unit, hint, absent, problem, check, onChange, onDrag, onDragged, compact } = props;
   const id = useId();
@@ -54,33 +62,41 @@ export function NumberField(props: Props) {
     const direction = event.key === "ArrowUp" ? 1 : event.key === "ArrowDown" ? -1 : 0;
     if (!direction || value == null) return;
     event.preventDefault();
-    const next = stepped(value, unit, direction * (event.shiftKey ? 0.1 : 1));
+    const next = stepped(value, unit, direction * (event.shiftKey ? FINE : 1));
     if (!check?.(next)) onChange(next);
   };
-  const drag = (event: PointerEvent<HTMLLabelElement>) => {
-    if (value == null || !onDrag || event.button !== 0) return;
+  const held = useRef(false);
+  const drag = (event: PointerEvent<HTMLElement>) => {
     const element = event.currentTarget;
-    const [x0, start] = [event.clientX, value];
-    let moved = false;
-    element.setPointerCapture(event.pointerId);
-    const move = (next: globalThis.PointerEvent) => {
-      const by = Math.trunc((next.clientX - x0) / 4);
-      if (!moved && by === 0) return;
-      moved = true;
-      const result = stepped(start, unit, by * (next.shiftKey ? 0.1 : 1));
-      if (!check?.(result)) onDrag(result);
-    };
-    const up = () => {
-      element.removeEventListener("pointermove", move);
-      if (moved) onDragged?.();
-    };
-    element.addEventListener("pointermove", move);
-    element.addEventListener("lostpointercapture", up, { once: true });
+    if (value == null || event.button !== 0 || document.activeElement === element) return;
+    // A finger on a number scrolls the panel, and a tap types in it.
+    if (element instanceof HTMLInputElement && event.pointerType !== "mouse") return;
+    held.current = true;
+    const from = event.clientX;
+    let result: number | null = null;
+    follow(element, event.pointerId, {
+      move: (next) => {
+        const by = Math.trunc((next.clientX - from) / PIXELS);
+        if (result === null && by === 0) return;
+        const moved = stepped(value, unit, by * (next.shiftKey ? FINE : 1));
+        if (check?.(moved)) return;
+        result = moved;
+        if (onDrag) onDrag(moved);
+        else setText(written(moved, unit));
+      },
+      done: (cancelled) => {
+        held.current = false;
+        if (result === null) return element instanceof HTMLInputElement && !cancelled ? element.focus() : undefined;
+        if (onDrag) onDragged?.(cancelled);
+        else if (cancelled) setText(settled);
+        else onChange(result);
+      },
+    });
   };
   const message = error ?? problem;
   return (
     <div className="field" data-compact={compact} data-wrong={Boolean(message)}>
-      <label htmlFor={id} title={hint} data-drags={Boolean(onDrag) && value != null} onPointerDown={drag}>
+      <label htmlFor={id} title={hint} data-drags={value != null} onPointerDown={drag}>
         {label}
       </label>
       <input
@@ -93,6 +109,9 @@ export function NumberField(props: Props) {
         aria-invalid={Boolean(message)}
         aria-describedby={message ? `${id}-wrong` : undefined}
         title={`${hint ? `${hint}. ` : ""}Also in ${alike(unit).join(", ")}`}
+        data-drags={value != null}
+        onPointerDown={drag}
+        onMouseDown={(event) => held.current && event.preventDefault()}
         onChange={(event) => setText(event.currentTarget.value)}
         onFocus={(event) => event.currentTarget.select()}
         onBlur={commit}

@@ -32,6 +32,7 @@ export function TopBar() {
           ))}
           <Menu.Divider />
           {item("open-file")}
+          {item("link")}
           {item("duplicate")}
           {item("versions")}
           {item("compare")}
@@ -51,6 +52,7 @@ export function TopBar() {
           {item("check")}
         </Menu.Dropdown>
       </Menu>
+      <Order command={named("copy-link")} />
       <div className="group">
         <Order command={named("undo")} />
         <Order command={named("redo")} />

@@ -126,7 +126,7 @@ describe("opening a link", () => {
     from.designer.setMode("hs1.5");
     from.designer.select({ kind: "cylinder", index: 1 });
     from.view.set({ show: "solid", camera: { eye: [1, 2, 3], target: [0, 0, 1] } });
-    from.view.tool({ explode: 0.5 });
+    from.view.tool({ cut: 0.5 });
     const to = bench();
     to.view.tool({ measuring: true });
     await openLink(to, await addressOf(from));
@@ -136,7 +136,7 @@ describe("opening a link", () => {
     expect(to.view.store.getState()).toMatchObject({
       show: "solid",
       camera: { eye: [1, 2, 3], target: [0, 0, 1] },
-      tools: { explode: 0.5, measuring: true, moving: false },
+      tools: { cut: 0.5, measuring: true, moving: false },
     });
     to.designer.undo();
     expect(to.designer.store.getState().crane).toBe(offshore);

@@ -60,7 +60,7 @@ function shape(name: ShapeName, value: unknown, path: string, problems: Problem[
     return {};
   }
   const result: Record<string, unknown> = {};
-  for (const key of Object.keys(value)) if (!(key in fields)) say(`${key} is not a field here`);
+  for (const key of Object.keys(value)) if (!Object.hasOwn(fields, key)) say(`${key} is not a field here`);
   for (const [key, field] of Object.entries(fields)) {
     const at = path ? `${path}.${key}` : key;
     const given = Object.hasOwn(value, key) ? value[key] : undefined;

@@ -101,7 +101,8 @@ function Overlay({ a, b, mode, charts }: { a: Crane; b: Crane; mode: string; cha
 function Table({ a, b }: { a: Crane; b: Crane }) {
   const rows = differences(a, b);
   return (
-    <div className="differences">
+    // biome-ignore lint/a11y/noNoninteractiveTabindex: what scrolls must be reached without a pointer
+    <section className="differences" aria-label="What differs" tabIndex={0}>
       <table>
         <thead>
           <tr>
@@ -125,7 +126,7 @@ function Table({ a, b }: { a: Crane; b: Crane }) {
         </tbody>
       </table>
       {rows.length > MOST_ROWS && <p className="hint">and {rows.length - MOST_ROWS} more</p>}
-    </div>
+    </section>
   );
 }
 

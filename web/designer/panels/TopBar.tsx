@@ -18,7 +18,7 @@ export function TopBar() {
         <strong>seacrane designer</strong>
         <span>{name}</span>
       </div>
-      <Menu position="bottom-start" transitionProps={{ duration: 60 }} withinPortal>
+      <Menu position="bottom-start" transitionProps={{ duration: 60 }} withinPortal withInitialFocusPlaceholder={false}>
         <Menu.Target>
           <button type="button" data-testid="design-menu">
             Design
@@ -38,7 +38,7 @@ export function TopBar() {
           {item("compare")}
         </Menu.Dropdown>
       </Menu>
-      <Menu position="bottom-start" transitionProps={{ duration: 60 }} withinPortal>
+      <Menu position="bottom-start" transitionProps={{ duration: 60 }} withinPortal withInitialFocusPlaceholder={false}>
         <Menu.Target>
           <button type="button" data-testid="save-menu">
             Save
@@ -58,7 +58,7 @@ export function TopBar() {
         <Order command={named("redo")} />
       </div>
       <span className="spring" />
-      <Menu position="bottom-end" transitionProps={{ duration: 60 }} withinPortal>
+      <Menu position="bottom-end" transitionProps={{ duration: 60 }} withinPortal withInitialFocusPlaceholder={false}>
         <Menu.Target>
           <button type="button" data-testid="panels-menu">
             Panels

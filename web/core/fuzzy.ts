@@ -31,7 +31,7 @@ function ofWord(text: string, word: string): number | null {
       const before = i > 0 ? best[i - 1] : null;
       if (text[i] === word[k]) {
         const starts = i === 0 || !/[\p{L}\p{N}]/u.test(text[i - 1]) ? START : 1;
-        if (k === 0) next[i] = starts - GAP * Math.min(i, 20);
+        if (k === 0) next[i] = starts;
         else {
           const ways = [before == null ? null : before + NEXT, reached === null ? null : reached + starts];
           const known = ways.filter((way) => way !== null);

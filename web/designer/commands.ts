@@ -39,12 +39,12 @@ export interface Command {
 export function commands(bench: Bench): readonly Command[] {
   return [
     ...ofDesign(bench),
+    ...ofPlaces(bench),
     ...ofChange(bench),
     ...ofShow(bench),
     ...ofChart(bench),
     ...ofSearch(bench),
     ...ofPanels(bench),
-    ...ofPlaces(bench),
     ...ofHelp(bench),
   ];
 }
@@ -179,13 +179,6 @@ function ofLink(designer: DesignerStore, index: number): Command[] {
       run: () => designer.apply("add cylinder", withCylinder(crane, index)),
     },
     {
-      id: "remove-link",
-      group,
-      label: `Remove ${link.name}`,
-      cannot: shorter ? null : "the crane needs it",
-      run: () => shorter && designer.apply("remove link", shorter),
-    },
-    {
       id: "own-parts",
       group,
       label: `Make the standard parts of ${link.name} its own`,
@@ -211,6 +204,13 @@ function ofLink(designer: DesignerStore, index: number): Command[] {
         },
       }),
     ),
+    {
+      id: "remove-link",
+      group,
+      label: `Remove ${link.name}`,
+      cannot: shorter ? null : "the crane needs it",
+      run: () => shorter && designer.apply("remove link", shorter),
+    },
   ];
 }
 

@@ -108,6 +108,12 @@ describe("the palette", () => {
     expect(ids("me").indexOf("measure")).toBeGreaterThan(ids("me").indexOf("show-solid"));
     expect(ids("measure")[0]).toBe("measure");
     expect(ids("redo")[0]).toBe("redo");
+    on.designer.select({ kind: "cylinder", index: 1 });
+    expect(fitting(commands(on), "jib_cyl").map(({ id }) => id)).toEqual([
+      "go-cylinder-1",
+      "fit-stroke",
+      "remove-cylinder",
+    ]);
     expect(fitting(commands(on), "zzz")).toEqual([]);
   });
 });

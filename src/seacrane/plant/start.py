@@ -17,6 +17,7 @@ POSTURE: Final = {"slew": 90 * deg, "luff": 50 * deg, "jib": -70 * deg}
 """Where a knuckle boom crane starts unless told otherwise: over the side, boom half up, jib folded."""
 
 _HEAVIEST: Final = 40e3
+_LIGHTEST: Final = 100.0
 _MOST_HANGING: Final = 14.0
 _LEAST_HANGING: Final = 2.0
 
@@ -39,15 +40,14 @@ class Start:
 
         Posture: `POSTURE` where the crane has just these joints and reaches it; else the slewing joint over the side
         and the others, away from their ends, so that the crane lifts most at three fifths of its reach and well above
-        the sea. Load: 40 t, but
-        no more than four fifths of what `POSTURE` bears in harbour, and half of what any other does. It hangs 14 m, or
-        three fifths of the way to the sea.
+        the sea. Load: 40 t, but no more than four fifths of what `POSTURE` bears in harbour, half of what any other
+        does, and 100 kg at least. It hangs 14 m, or three fifths of the way to the sea.
         """
         posture = _posture(crane) if posture is None else posture
         plane = {joint.name: posture.get(joint.name, 0.0) for joint in planar.plane_joints(crane)}
         if load is None:
             share = 0.8 if posture == POSTURE else 0.5
-            load = min(_HEAVIEST, share * min(chart.each_limit(crane, plane).values()))
+            load = max(_LIGHTEST, min(_HEAVIEST, share * min(chart.each_limit(crane, plane).values())))
         above = crane.pedestal[2] + float(geometry.tip(crane, plane)[2])
         return cls(posture, load, min(_MOST_HANGING, max(_LEAST_HANGING, 0.6 * above)))
 

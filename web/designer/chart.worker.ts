@@ -11,9 +11,11 @@ export type Request =
       readonly crane: Crane;
       readonly mode: string;
       readonly view: View;
+      /** Load of the brightest colour [kg], where it is not the section's own to choose. */
+      readonly most?: number;
       readonly pixels?: ArrayBuffer;
     }
-  | { readonly kind: "refined"; readonly pixels?: ArrayBuffer }
+  | { readonly kind: "refined"; readonly most?: number; readonly pixels?: ArrayBuffer }
   | { readonly kind: "point"; readonly x: number; readonly z: number }
   | {
       readonly kind: "posture";
@@ -63,10 +65,10 @@ function modeOf(crane: Crane, name: string): Mode {
   return modes(crane).find((mode) => mode.name === name) ?? HARBOUR;
 }
 
-/** A section with its colours, in `kept` if that fits. */
-function painted(section: Section, kept: ArrayBuffer | undefined, begun: number): Painted {
+/** A section with its colours, in the pixels given if they fit. */
+function painted(section: Section, request: { most?: number; pixels?: ArrayBuffer }, begun: number): Painted {
   const { view, grids, complete } = section;
-  const most = scaleEnd(section.load);
+  const { most = scaleEnd(section.load), pixels: kept } = request;
   const step = contourStep(most);
   const bytes = 4 * view.width * view.height;
   const pixels = kept?.byteLength === bytes ? kept : new ArrayBuffer(bytes);
@@ -83,14 +85,14 @@ function answer(request: Request): Answers[Request["kind"]] {
       const mode = modeOf(request.crane, request.mode);
       const section = rasteriser.section(request.crane, mode, request.view);
       last = { crane: request.crane, mode, section };
-      return painted(section, request.pixels, begun);
+      return painted(section, request, begun);
     }
     case "refined": {
       const begun = performance.now();
       if (!last) return null;
       const section = rasteriser.refined(last.crane, last.mode, last.section.view, REFINING);
       last = { ...last, section };
-      return painted(section, request.pixels, begun);
+      return painted(section, request, begun);
     }
     case "point": {
       const posture = last && postureAt(last.section, request.x, request.z);

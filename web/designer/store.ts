@@ -28,7 +28,6 @@ export interface Designer extends Scene {
   readonly mode: string;
   readonly problems: readonly Problem[];
   readonly notice: { readonly text: string; readonly kind: "done" | "wrong" } | null;
-  readonly compared: Crane | null;
 }
 
 /** All that keeps a crane from being computed or built, place by place. */
@@ -123,9 +122,6 @@ export function createDesigner(crane: Crane, posture: Posture = {}) {
     setMode(mode: string): void {
       store.setState({ mode });
     },
-    compare(compared: Crane | null): void {
-      store.setState({ compared });
-    },
     tell(text: string, kind: "done" | "wrong" = "done"): void {
       store.setState({ notice: { text, kind } });
     },
@@ -148,7 +144,6 @@ function opened(crane: Crane, posture: Posture): Designer {
     mode: HARBOUR.name,
     problems: problemsOf(crane),
     notice: null,
-    compared: null,
   };
 }
 

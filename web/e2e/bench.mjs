@@ -1,7 +1,7 @@
-// What the scripts that drive the designer share. Each is run as `node e2e/SCRIPT.mjs SCENARIO`, with SEACRANE_URL the
-// address that `seacrane designer` prints, CHROMIUM the browser (default /usr/bin/chromium) and OUTPUT the folder of
-// screenshots, downloads and `seen.json`, which gets what the scenario returns (default e2e/output). Scripts wait on the
-// state of the page, never on time or drawn frames.
+// What the scripts that drive a page in a real browser share. Those of the designer are run as
+// `node e2e/SCRIPT.mjs SCENARIO`, with SEACRANE_URL the address that `seacrane designer` prints, CHROMIUM the browser
+// (default /usr/bin/chromium) and OUTPUT the folder of screenshots, downloads and `seen.json`, which gets what the
+// scenario returns (default e2e/output). Scripts wait on the state of the page, never on time or drawn frames.
 import assert from "node:assert/strict";
 import { mkdir, readFile, writeFile } from "node:fs/promises";
 import { createRequire } from "node:module";
@@ -9,9 +9,25 @@ import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { chromium } from "playwright-core";
 
-export const PATIENCE = 60_000;
+/** [ms]; no page should take as long, but a busy machine that compiles a crane may. */
+export const PATIENCE = 120_000;
 export const output = process.env.OUTPUT ?? fileURLToPath(new URL("./output/", import.meta.url));
 const url = process.env.SEACRANE_URL;
+
+export function launch() {
+  return chromium.launch({
+    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+    args: [
+      "--no-sandbox",
+      "--use-angle=swiftshader",
+      "--enable-unsafe-swiftshader",
+      "--disable-background-networking",
+      "--disable-component-update",
+      "--disable-sync",
+      "--no-first-run",
+    ],
+  });
+}
 
 /** Runs the scenario that the command names; it gets `open`, which gives a page with the first crane painted. */
 export async function scenarios(all) {
@@ -25,18 +41,7 @@ export async function scenarios(all) {
     process.exit(2);
   }
   await mkdir(output, { recursive: true });
-  const browser = await chromium.launch({
-    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-    args: [
-      "--no-sandbox",
-      "--use-angle=swiftshader",
-      "--enable-unsafe-swiftshader",
-      "--disable-background-networking",
-      "--disable-component-update",
-      "--disable-sync",
-      "--no-first-run",
-    ],
-  });
+  const browser = await launch();
   const pages = [];
   const open = async (options = {}) => {
     const context = await browser.newContext({

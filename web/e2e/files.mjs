@@ -75,9 +75,15 @@ async function compares_two_designs(open) {
   await until("both curves", async () => (await lines.count()) === 2);
   const shapes = await lines.evaluateAll((all) => all.map((one) => one.getAttribute("points")));
   assert.notEqual(shapes[0], shapes[1], "a thinner cylinder lifts less");
+  const sections = () => dialog.locator("figure canvas").evaluateAll((all) => all.map((one) => one.toDataURL()));
+  const scales = () => dialog.locator("figure[data-most]").evaluateAll((all) => all.map((one) => one.dataset.most));
+  await until("both sections", async () => (await scales()).length === 2);
+  assert.equal(new Set(await scales()).size, 1, "one scale of colours");
+  await until("sections that differ", async () => new Set(await sections()).size === 2);
   await dialog.getByTestId("compare-with").selectOption("gunnerus-pk65");
   await until("another crane", async () => (await rows()).length > 50);
   await until("its curve", async () => (await lines.count()) === 2);
+  await until("its section", async () => (await scales()).length === 2);
   await pictures(page, "compared");
 }
 

@@ -4,49 +4,22 @@
 import assert from "node:assert/strict";
 import { mkdir, readFile } from "node:fs/promises";
 import { join } from "node:path";
-import { fileURLToPath } from "node:url";
-import { chromium } from "playwright-core";
+import { launch, output, PATIENCE, pause, until } from "./bench.mjs";
 
 const url = process.env.SEACRANE_URL;
 if (!url) {
   console.error("SEACRANE_URL must be the address that `seacrane demo` prints, with its token");
   process.exit(2);
 }
-const output = process.env.OUTPUT ?? fileURLToPath(new URL("./output/", import.meta.url));
 const origin = new URL(url).origin;
-const PATIENCE = 60_000;
 const RADIAN = Math.PI / 180;
 
-const browser = await chromium.launch({
-  executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-  args: [
-    "--no-sandbox",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--no-first-run",
-  ],
-});
+const browser = await launch();
 
 // ---------------------------------------------------------------- reading the page
-const pause = (ms) => new Promise((done) => setTimeout(done, ms));
-
 async function value(page, id) {
   const text = await page.getByTestId(id).getAttribute("data-value");
   return text === null ? Number.NaN : Number(text);
-}
-
-/** Waits until `look` gives something true, and returns it. */
-async function until(what, look, patience = PATIENCE) {
-  const end = Date.now() + patience;
-  for (;;) {
-    const seen = await look();
-    if (seen) return seen;
-    assert.ok(Date.now() < end, `waited ${patience / 1000} s in vain for: ${what}`);
-    await pause(100);
-  }
 }
 
 /** A reading that changes by less than `tolerance` while a second of simulated time goes by. */
@@ -65,6 +38,7 @@ async function open(address, options = {}) {
     acceptDownloads: true,
     ...options,
   });
+  context.setDefaultTimeout(PATIENCE);
   const page = await context.newPage();
   page.errors = [];
   page.on("pageerror", (error) => page.errors.push(error.message));

@@ -1,6 +1,6 @@
 import { Modal } from "@mantine/core";
-import { useEffect, useState } from "react";
-import { differences, get, type Path } from "../../core/design/edit";
+import { useEffect, useMemo, useState } from "react";
+import { differences, fitting, get, type Path } from "../../core/design/edit";
 import { fieldsOf, type QuantityField, type ShapeName, unitOf, type VectorField } from "../../core/design/fields";
 import { written } from "../../core/design/quantity";
 import { type Crane, HARBOUR, modeLabel, modes } from "../../core/design/types";
@@ -8,13 +8,14 @@ import { DASH, symbol } from "../../core/units";
 import { Charts } from "../charts";
 import { useDesigner } from "../context";
 import { versions } from "../saving";
+import { SideBySide } from "../section/SideBySide";
 import { SHIPPED } from "../shipped";
 import { Plot, useCurves } from "./Curves";
 import { pathText } from "./Form";
 
 const MOST_ROWS = 200;
 
-/** Two designs side by side: their curves over each other, and a table of what differs. */
+/** Two designs: side by side, their curves over each other, and a table of what differs. */
 export function CompareDialog({ open, onClose }: { open: boolean; onClose: () => void }) {
   return (
     <Modal opened={open} onClose={onClose} title="Compare" size="80rem" transitionProps={{ duration: 80 }}>
@@ -70,11 +71,23 @@ function Both({ a, b, mode }: { a: Crane; b: Crane; mode: string }) {
       for (const one of pair) one.close();
     };
   }, []);
+  const posture = useDesigner((state) => state.posture);
+  const designs = useMemo(
+    () =>
+      charts && [
+        { crane: a, posture, charts: charts[0] },
+        { crane: b, posture: fitting(b, posture), charts: charts[1] },
+      ],
+    [a, b, posture, charts],
+  );
   return (
-    <div className="compare">
-      {charts && <Overlay a={a} b={b} mode={mode} charts={charts} />}
-      <Table a={a} b={b} />
-    </div>
+    <>
+      {designs && <SideBySide designs={designs} mode={mode} />}
+      <div className="compare">
+        {charts && <Overlay a={a} b={b} mode={mode} charts={charts} />}
+        <Table a={a} b={b} />
+      </div>
+    </>
   );
 }
 

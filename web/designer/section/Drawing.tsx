@@ -1,6 +1,6 @@
 import { useMemo } from "react";
 import { endOf } from "../../core/design/edit";
-import { frames, outOf, type Point, type Pose, pin, retracted } from "../../core/design/plane";
+import { frames, outOf, type Point, type Pose, type Posture, pin, retracted } from "../../core/design/plane";
 import { furnished } from "../../core/design/standard";
 import type { Crane } from "../../core/design/types";
 import { useDesigner } from "../context";
@@ -10,12 +10,45 @@ import { toPixels, type Window } from "./window";
 
 const HANG = 4;
 
-/** The crane in its posture from the side: links from their parts, cylinders, rope, and the travel of the joints. */
+/** The crane being designed, in its posture from the side, and the travel of its joints. */
 export function Drawing({ window, arc }: { window: Window; arc: (link: number) => number }) {
   const crane = useDesigner((state) => state.crane);
   const posture = useDesigner((state) => state.posture);
   const selection = useDesigner((state) => state.selection);
   const problems = useDesigner((state) => state.problems);
+  const marks: Marks = {
+    selected: (kind, index) => selection.kind === kind && selection.index === index,
+    wrong: (place) => problems.some(({ path }) => path.startsWith(place)),
+  };
+  return (
+    <g className="crane">
+      <Figure crane={crane} posture={posture} window={window} marks={marks} />
+      {crane.links.map((link, index) =>
+        link.joint.limits && link.joint.name !== crane.slew?.joint ? (
+          <Travel key={link.name} crane={crane} posture={posture} index={index} window={window} radius={arc(index)} />
+        ) : null,
+      )}
+    </g>
+  );
+}
+
+/** What of a crane is to stand out. */
+interface Marks {
+  readonly selected: (kind: "link" | "cylinder", index: number) => boolean;
+  readonly wrong: (place: string) => boolean;
+}
+
+const UNMARKED: Marks = { selected: () => false, wrong: () => false };
+
+interface FigureProps {
+  readonly crane: Crane;
+  readonly posture: Posture;
+  readonly window: Window;
+  readonly marks?: Marks;
+}
+
+/** A crane in a posture from the side: links from their parts, cylinders and rope. */
+export function Figure({ crane, posture, window, marks = UNMARKED }: FigureProps) {
   const links = useMemo(() => outlines(crane), [crane]);
   const at = useMemo(() => frames(crane, posture), [crane, posture]);
   const px = (point: Point) => toPixels(window, point).join(",");
@@ -29,8 +62,8 @@ export function Drawing({ window, arc }: { window: Window; arc: (link: number) =
         <g
           key={name}
           className="link"
-          data-selected={selection.kind === "link" && selection.index === index}
-          data-wrong={problems.some(({ path }) => path.startsWith(`links[${name}]`))}
+          data-selected={marks.selected("link", index)}
+          data-wrong={marks.wrong(`links[${name}]`)}
         >
           {shapes.map((shape, i) => {
             const pose = at.get(name)!;
@@ -47,13 +80,12 @@ export function Drawing({ window, arc }: { window: Window; arc: (link: number) =
         const length = Math.hypot(eye[0] - base[0], eye[1] - base[1]);
         const share = Math.min(0.96, (0.95 * retracted(crane, cylinder)) / Math.max(length, 1e-9));
         const end: Point = [base[0] + (eye[0] - base[0]) * share, base[1] + (eye[1] - base[1]) * share];
-        const wrong = problems.some(({ path }) => path.startsWith(`cylinders[${cylinder.name}]`));
         return (
           <g
             key={cylinder.name}
             className="cylinder"
-            data-wrong={wrong}
-            data-selected={selection.kind === "cylinder" && selection.index === index}
+            data-wrong={marks.wrong(`cylinders[${cylinder.name}]`)}
+            data-selected={marks.selected("cylinder", index)}
           >
             <polyline
               className="rod"
@@ -72,18 +104,13 @@ export function Drawing({ window, arc }: { window: Window; arc: (link: number) =
       })}
       <polyline className="rope" points={[...rope, hook].map(px).join(" ")} />
       <circle className="hook" cx={toPixels(window, hook)[0]} cy={toPixels(window, hook)[1]} r={4} />
-      {crane.links.map((link, index) =>
-        link.joint.limits && link.joint.name !== crane.slew?.joint ? (
-          <Travel key={link.name} crane={crane} posture={posture} index={index} window={window} radius={arc(index)} />
-        ) : null,
-      )}
     </g>
   );
 }
 
 interface TravelProps {
   crane: Crane;
-  posture: Readonly<Record<string, number>>;
+  posture: Posture;
   index: number;
   window: Window;
   radius: number;

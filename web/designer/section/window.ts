@@ -53,9 +53,11 @@ export function bounds(crane: Crane): { low: Point; high: Point } {
   return { low, high };
 }
 
-/** The window that shows all that the crane reaches. */
-export function framed(crane: Crane, width: number, height: number): Window {
-  const { low, high } = bounds(crane);
+/** The window that shows all that the cranes reach. */
+export function framed(cranes: Crane | readonly Crane[], width: number, height: number): Window {
+  const all = (Array.isArray(cranes) ? cranes : [cranes]).map(bounds);
+  const low = [0, 1].map((k) => Math.min(...all.map((one) => one.low[k])));
+  const high = [0, 1].map((k) => Math.max(...all.map((one) => one.high[k])));
   const scale = Math.min(width / (MARGIN * (high[0] - low[0])), (height - 20) / (MARGIN * (high[1] - low[1])));
   return { x: 0.5 * (low[0] + high[0]), z: 0.5 * (low[1] + high[1]), scale, width, height };
 }

@@ -9,6 +9,8 @@ describe("a quantity", () => {
     expect(parsed("8ft", "mm")).toBeCloseTo(2.4384, 12);
     expect(parsed("\u221240 deg", "deg")).toBeCloseTo((-40 * Math.PI) / 180, 12);
     expect(parsed("30 m/min", "m/s")).toBe(0.5);
+    expect(parsed("350 mm", "mm")).toBe(0.35);
+    expect(parsed("9", "mm")).toBe(0.009);
   });
 
   it("may be reckoned, with units where they make sense", () => {

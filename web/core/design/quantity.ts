@@ -47,6 +47,12 @@ export function factor(unit: UnitSymbol): number {
   return UNITS[unit][0];
 }
 
+/** The SI value of so much of a unit. 350 mm are 0.35 m by a division: no number of a computer is a thousandth. */
+function inSi(value: number, unit: UnitSymbol): number {
+  const parts = 1 / factor(unit);
+  return Number.isInteger(parts) ? value / parts : value * factor(unit);
+}
+
 /** All units in which a quantity shown in `unit` may be given. */
 export function alike(unit: UnitSymbol): UnitSymbol[] {
   return (Object.keys(UNITS) as UnitSymbol[]).filter((other) => UNITS[other][1] === UNITS[unit][1]);
@@ -96,7 +102,7 @@ class Reader {
   }
 
   private quantity(term: Term): Term {
-    return term.unit ? term : { value: term.value * factor(this.shown), unit: true };
+    return term.unit ? term : { value: inSi(term.value, this.shown), unit: true };
   }
 
   private sum(): Term {
@@ -145,7 +151,7 @@ class Reader {
     if (UNITS[unit][1] !== UNITS[this.shown][1])
       throw new QuantityError(`cannot be given in ${unit}; allowed: ${alike(this.shown).join(", ")}`);
     this.at += unit.length;
-    return { value: Number(found[0]) * factor(unit), unit: true };
+    return { value: inSi(Number(found[0]), unit), unit: true };
   }
 
   private skip(): void {

@@ -22,7 +22,12 @@ def add(commands: Commands) -> None:
     fmu = commands.add_parser("fmu", help="make FMUs, look at them and run them").add_subparsers(
         required=True, metavar="ACTION"
     )
-    check = fmu.add_parser("check", help="list all that is wrong with an FMU, with the rule of the standard")
+    check = fmu.add_parser(
+        "check",
+        help="list all that is wrong with an FMU, with the rule of the standard",
+        description="Lists all that is wrong with an FMU. Its own code is run only where its binary does not "
+        "show the GUID, in a process of its own.",
+    )
     check.add_argument("file", type=Path)
     check.set_defaults(run=_check_fmu)
 

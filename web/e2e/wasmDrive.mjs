@@ -69,7 +69,7 @@ export async function run(WasmModel, source, plan) {
     () => drive.set("spol", 1),
     'boom_drive has no variable "spol". Its inputs are spool, rod_velocity, rod_position;',
   );
-  refused(() => other.set("spool", Number.NaN), "other: spool cannot be set to nan 1: not a finite number");
+  refused(() => other.set("spool", Number.NaN), "other: spool cannot be set to nan: it is not a finite number");
   refused(
     () => drive.set({ spool: 1, "cylinder.bore": -1 }),
     "boom_drive: cylinder.bore = -1 m is outside its range of ",

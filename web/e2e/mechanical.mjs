@@ -102,16 +102,23 @@ async function shows_the_workspace_and_the_centre_of_mass(open) {
     await ready(page, name);
     await tool(page, "Workspace").click();
     await tool(page, "Centres").click();
-    const [reach, centre] = [page.getByTestId("reach"), page.getByTestId("whole-centre")];
+    const reach = page.getByTestId("reach");
     await reach.waitFor();
     await tool(page, "Animate").click();
     await slide(page, "Range", 0.2);
+    // at one instant, for the crane moves on
+    const [posture, at] = await page.evaluate(() =>
+      [
+        ["moved-posture", "data-posture"],
+        ["whole-centre", "data-at"],
+      ].map(([id, name]) => document.querySelector(`[data-testid=${id}]`).getAttribute(name)),
+    );
     seen[name] = {
       area: Number(await reach.getAttribute("data-area")),
       volume: Number(await reach.getAttribute("data-volume")),
       text: await reach.innerText(),
-      posture: JSON.parse(await page.getByTestId("moved-posture").getAttribute("data-posture")),
-      centre: numbers(await centre.getAttribute("data-at")),
+      posture: JSON.parse(posture),
+      centre: numbers(at),
     };
     await pictures(page, `workspace-${name}`);
     for (const one of ["Animate", "Workspace", "Centres"]) await tool(page, one).click();

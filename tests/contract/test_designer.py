@@ -180,7 +180,14 @@ def test_a_search_for_better_designs_tells_its_front_as_it_grows(tmp_path: Path)
         }
         async with desk(tmp_path) as client:
             nothing = (await client.get("api/design/optimise")).json()
-            assert nothing == {"running": False, "generations": 0, "front": None, "stands": None, "problems": []}
+            assert nothing == {
+                "running": False,
+                "generations": 0,
+                "front": None,
+                "stands": None,
+                "hindered": [],
+                "problems": [],
+            }
             begun = (await client.post("api/design/optimise", json=asked)).json()
             assert begun["front"]["generation"] == 0
             assert begun["stands"] == pytest.approx(begun["front"]["results"][0])
@@ -194,6 +201,9 @@ def test_a_search_for_better_designs_tells_its_front_as_it_grows(tmp_path: Path)
             refused = await client.post("api/design/optimise", json={**asked, "goals": []})
             assert refused.status_code == 422
             assert "two goals or more" in refused.text
+            wide = {**asked, "variables": [{"path": "cylinders[jib_cylinder].bore", "low": 5, "high": 6}]}
+            begun = (await client.post("api/design/optimise", json={**wide, "generations": 1})).json()
+            assert "a stroke and a bore take" in begun["hindered"][0]
             assert (await client.get("api/design/optimise")).json()["front"] is not None
 
     asyncio.run(scenario())

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import csv
+import signal
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pytest
 
+from seacrane import design, studies
 from seacrane.cli import main
+from seacrane.design import chart
 
 
 def test_the_load_chart_goes_to_csv_with_the_published_loads(
@@ -68,4 +74,70 @@ def test_a_search_is_resumed_from_its_file(tmp_path: Path, capsys: pytest.Captur
     spec.write_text(spec.read_text().replace("reach", "weight"))
     assert main([*command, "--spec", str(spec), "--generations", "3"]) == 2
     assert "is the front of a search for other sizes or goals than --spec has" in capsys.readouterr().err
+    for option, value, words in (
+        ("--population", "9", "is the front of a search with another population (got 8)"),
+        ("--seed", "2", "is the front of a search with another seed (got 1)"),
+        ("--generations", "1", "has been passed by the front (got 1); allowed: 2 on"),
+    ):
+        assert main(["design", "optimise", "offshore-100t", "--front", str(front), option, value]) == 2
+        assert words in capsys.readouterr().err
     assert front.read_bytes() == kept
+
+
+def test_the_designs_of_a_front_are_written_and_lift_what_is_printed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    spec, folder = tmp_path / "spec.json", tmp_path / "found"
+    spec.write_text(
+        '{"variables": [{"path": "cylinders[boom_cylinder].bore", "low": "380 mm", "high": "450 mm"}],'
+        ' "goals": [{"kind": "weight"}, {"kind": "capacity", "radius": 20}]}'
+    )
+    command = ["design", "optimise", "offshore-100t", "--spec", str(spec), "--front", str(tmp_path / "front.json")]
+    assert main([*command, "--generations", "2", "--population", "6", "--designs", str(folder)]) == 0
+    head, start, *rows, _, _ = capsys.readouterr().out.splitlines()
+    assert head.split("  ")[-3:] == ["cylinders[boom_cylinder].bore [m]", "weight [t]", "capacity at 20 m, harbour [t]"]
+    assert start.split()[:2] == ["start", "0.420"]
+    assert len(list(folder.iterdir())) == len(rows) >= 2
+    for row in rows:
+        number, bore, _, load = row.split()
+        crane = design.load(folder / f"{number}.json")
+        assert crane.cylinder("boom_cylinder").bore == pytest.approx(float(bore), abs=5e-4)
+        assert chart.curve(crane, radii=[20.0])[0].swl / 1e3 == pytest.approx(float(load), rel=0.01)
+
+
+def test_a_search_in_which_nothing_can_be_built_says_why(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    spec = tmp_path / "spec.json"
+    spec.write_text(
+        '{"variables": [{"path": "cylinders[boom_cylinder].bore", "low": 4, "high": 8}],'
+        ' "goals": [{"kind": "weight"}, {"kind": "reach"}]}'
+    )
+    command = ["design", "optimise", "offshore-100t", "--spec", str(spec), "--front", str(tmp_path / "front.json")]
+    assert main([*command, "--generations", "1", "--population", "4"]) == 1
+    told = capsys.readouterr().out
+    assert "none of the 4 candidates can be built" in told
+    assert "boom_cylinder: its pins are" in told
+
+
+def test_a_search_that_is_killed_or_interrupted_goes_on_to_the_same_end(tmp_path: Path) -> None:
+    spec, whole, part = (tmp_path / name for name in ("spec.json", "whole.json", "part.json"))
+    spec.write_text('{"variables": [{"path": "links[jib].length"}], "goals": [{"kind": "reach"}, {"kind": "weight"}]}')
+
+    def command(front: Path, generations: int) -> list[str]:
+        options = ["--spec", str(spec), "--front", str(front), "--generations", str(generations), "--population", "6"]
+        return [sys.executable, "-m", "seacrane.cli", "design", "optimise", "offshore-100t", *options]
+
+    for end in (signal.SIGKILL, signal.SIGINT):
+        before = part.read_bytes() if part.exists() else b""
+        with subprocess.Popen(command(part, 1000), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as search:
+            patience = time.monotonic() + 120
+            while not part.exists() or part.read_bytes() == before:
+                assert time.monotonic() < patience, "no generation is written"
+                time.sleep(0.02)
+            search.send_signal(end)
+            _, told = search.communicate(timeout=60)
+        assert search.returncode != 0, "it was ended half-way"
+    assert "has what was found; the same command goes on from there" in told
+    generations = studies.read(part).generation + 2
+    for front in (part, whole):
+        subprocess.run(command(front, generations), check=True, capture_output=True, timeout=300)
+    assert part.read_bytes() == whole.read_bytes()

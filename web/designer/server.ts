@@ -67,6 +67,8 @@ export interface Search {
   readonly front: Front | null;
   /** What the crane that it began with reaches in each goal, SI. */
   readonly stands: readonly number[] | null;
+  /** Why none of the candidates can be built, of the one that misses least; empty if one can. */
+  readonly hindered: readonly string[];
   readonly problems: readonly Told[];
 }
 

@@ -9,10 +9,13 @@ from typing import TYPE_CHECKING
 
 from seacrane import documents
 from seacrane.errors import DesignError, ParameterError
+from seacrane.units import t
 
 from .arguments import Commands, output, picture, save_figure, verdict
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from seacrane.design import Crane
     from seacrane.design.chart import Mode
     from seacrane.results import Figure
@@ -41,8 +44,9 @@ def add(commands: Commands) -> None:
     optimise.add_argument("--spec", metavar="FILE", help='JSON: {"variables": [{"path"}], "goals": [{"kind"}]}')
     optimise.add_argument("--front", type=output, required=True, metavar="FILE", help="the front; an old one goes on")
     optimise.add_argument("--generations", type=int, default=50, help="generations in all (default 50)")
-    optimise.add_argument("--population", type=int, default=40, help="candidates of a generation (default 40)")
-    optimise.add_argument("--seed", type=int, default=1, help="another seed searches elsewhere (default 1)")
+    optimise.add_argument("--population", type=int, help="candidates of a generation (default 40)")
+    optimise.add_argument("--seed", type=int, help="another seed searches elsewhere (default 1)")
+    optimise.add_argument("--designs", metavar="FOLDER", type=Path, help="write each design of the front as a file")
     optimise.set_defaults(run=_optimise)
     for action in (show, check, chart, export, optimise):
         action.add_argument("design", help="a design that comes with the package, a design file, or an exported ZIP")
@@ -135,44 +139,81 @@ def _optimise(options: argparse.Namespace) -> int:
     elif state is None:
         raise ParameterError.at("--spec", "is needed to begin a search", hint="See docs: optimisation of a design.")
     if state is not None:
-        _goes_on(state, crane, (variables, goals), options.front)
+        _goes_on(state, crane, (variables, goals), options)
     search = studies.optimise(
         crane,
         variables,
         goals,
-        population=options.population,
+        population=40 if options.population is None else options.population,
         generations=options.generations,
-        seed=options.seed,
+        seed=1 if options.seed is None else options.seed,
         state=state,
     )
-    for front in search:
-        studies.save(front, options.front)
-        print(f"\rgeneration {front.generation} of {options.generations}", end="", file=sys.stderr, flush=True)
+    try:
+        for front in search:
+            studies.save(front, options.front)
+            print(f"\rgeneration {front.generation} of {options.generations}", end="", file=sys.stderr, flush=True)
+    except KeyboardInterrupt:
+        print(f"\n{options.front} has what was found; the same command goes on from there", file=sys.stderr)
+        raise
     print(file=sys.stderr)
-    names = [*(variable.path for variable in front.variables), *(goal.name for goal in front.wanted)]
-    print("  ".join(names))
-    for values, results in zip(front.values[front.best], front.goals[front.best], strict=True):
-        sizes = [f"{size:.4g} m" for size in values]
-        shown = [
-            f"{result:.4g} m" if goal.kind == "reach" else f"{result / 1e3:.4g} t"
-            for goal, result in zip(front.wanted, results, strict=True)
-        ]
-        print("  ".join([*sizes, *shown]))
-    print(f"{options.front}: {int(front.best.sum())} designs that none beats in every goal")
+    return _front(front, options.front, options.designs)
+
+
+def _goes_on(state: Front, crane: Crane, wanted: tuple[object, object], options: argparse.Namespace) -> None:
+    """Refuse to go on from the front of another search as if it were the one asked for."""
+    path, hint = str(options.front), "Name another file for another search."
+    if state.crane != crane:
+        raise ParameterError.at(
+            path, "is the front of another design", value=state.crane.name, allowed=crane.name, hint=hint
+        )
+    if wanted != ((), ()) and wanted != (state.variables, state.wanted):
+        raise ParameterError.at(path, "is the front of a search for other sizes or goals than --spec has", hint=hint)
+    for name, asked, has in (
+        ("population", options.population, len(state.values)),
+        ("seed", options.seed, state.seed),
+    ):
+        if asked not in (None, has):
+            raise ParameterError.at(path, f"is the front of a search with another {name}", value=has, hint=hint)
+    if options.generations < state.generation:
+        raise ParameterError.at(
+            "--generations", "has been passed by the front", value=options.generations, allowed=f"{state.generation} on"
+        )
+
+
+def _front(front: Front, path: Path, folder: Path | None) -> int:
+    """Print the designs of a front under the one that the search began with, and write them where asked."""
+    from seacrane import design, studies
+    from seacrane.design import changes
+
+    if not front.best.any():
+        print(f"{path}: none of the {len(front.values)} candidates can be built. The one that misses least:")
+        print("\n".join(f"  {words}" for words in studies.why_not(front.design(front.nearest))))
+        return 1
+    now = [changes.value(front.crane, variable.path) for variable in front.variables]
+    best = [index for index, good in enumerate(front.best) if good]
+    order = sorted(best, key=lambda index: tuple(front.goals[index]))
+    rows = [["start", *_shown(front, now, studies.judged(front.crane, front.wanted))]]
+    rows += [[str(n), *_shown(front, front.values[i], front.goals[i])] for n, i in enumerate(order, start=1)]
+    heads = ["design", *(f"{v.path} [m]" for v in front.variables)]
+    heads += [f"{goal.name} [{'m' if goal.kind == 'reach' else 't'}]" for goal in front.wanted]
+    for row in [heads, *rows]:
+        print("  ".join(cell.rjust(len(head)) for cell, head in zip(row, heads, strict=True)))
+    print(f"{path}: {len(order)} designs that none beats in every goal")
+    if folder is not None:
+        folder.mkdir(parents=True, exist_ok=True)
+        for number, index in enumerate(order, start=1):
+            design.save(front.design(index), folder / f"{number}.json")
+        print(f"{folder}: 1.json to {len(order)}.json")
     return 0
 
 
-def _goes_on(state: Front, crane: Crane, wanted: tuple[object, object], path: Path) -> None:
-    """Refuse to go on from the front of another search as if it were the one asked for."""
-    hint = "Name another file for another search."
-    if state.crane != crane:
-        raise ParameterError.at(
-            str(path), "is the front of another design", value=state.crane.name, allowed=crane.name, hint=hint
-        )
-    if wanted != ((), ()) and wanted != (state.variables, state.wanted):
-        raise ParameterError.at(
-            str(path), "is the front of a search for other sizes or goals than --spec has", hint=hint
-        )
+def _shown(front: Front, values: Sequence[float], results: Sequence[float]) -> list[str]:
+    sizes = [f"{size:.3f}" for size in values]
+    return sizes + [
+        f"{result if goal.kind == 'reach' else result / t:.2f}"
+        for goal, result in zip(front.wanted, results, strict=True)
+    ]
 
 
 def _export(options: argparse.Namespace) -> int:

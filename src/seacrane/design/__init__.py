@@ -6,6 +6,7 @@ design.geometry.radius(crane, {"luff": 50 * deg, "jib": -70 * deg})
 
 from seacrane.design import (
     archive,
+    buckling,
     changes,
     chart,
     geometry,
@@ -54,6 +55,7 @@ __all__ = [
     "Slew",
     "Source",
     "archive",
+    "buckling",
     "changes",
     "chart",
     "check",

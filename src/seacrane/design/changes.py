@@ -23,7 +23,8 @@ def changed(crane: Crane, values: Mapping[str, float]) -> Crane:
 
     A rod keeps its share of the bore unless it is given. `DesignError` with the nearest paths for one that is unknown.
     """
-    for path, value in values.items():
+    # a longer link takes its outer pins along, a wider bore its rod: what is given itself is set after them
+    for path, value in sorted(values.items(), key=_rank):
         crane = _set(crane, path, value)
     return fitted(crane)
 
@@ -96,6 +97,11 @@ def lengthened(crane: Crane, name: str, new: float) -> Crane:
         crane.hoist, drum=moved(crane.hoist.drum), sheaves=tuple(moved(sheave) for sheave in crane.hoist.sheaves)
     )
     return msgspec.structs.replace(crane, links=tuple(links), cylinders=cylinders, hoist=hoist)
+
+
+def _rank(change: tuple[str, float]) -> int:
+    path, _ = change
+    return 0 if path.endswith(".length") else 1 if path.endswith(".bore") else 2
 
 
 def _parsed(crane: Crane, path: str) -> tuple[str, str, str]:

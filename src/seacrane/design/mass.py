@@ -85,14 +85,17 @@ def weighed(crane: Crane) -> Crane:
     return msgspec.structs.replace(crane, links=tuple(link(old) for old in crane.links))
 
 
+def wall(cylinder: Cylinder) -> float:
+    """An estimate of a barrel's wall [m]: it bears the working pressure at a hoop stress of 150 MPa (p d / 2 t)."""
+    return cylinder.pressure * cylinder.bore / (2 * _HOOP_STRESS)
+
+
 def of_cylinder(cylinder: Cylinder) -> float:
     """An estimate of the mass of a cylinder set [kg], steel only: rods, barrels, pistons with heads and eyes.
 
-    The barrel's wall bears the working pressure at a hoop stress of 150 MPa (thin wall, p d / 2 t); pistons, heads and
-    eyes are taken as a solid two bores long.
+    Pistons, heads and eyes are taken as a solid two bores long.
     """
     rod = math.pi / 4 * cylinder.rod**2 * cylinder.stroke
-    wall = cylinder.pressure * cylinder.bore / (2 * _HOOP_STRESS)
-    barrel = math.pi * (cylinder.bore + wall) * wall * cylinder.stroke
+    barrel = math.pi * (cylinder.bore + wall(cylinder)) * wall(cylinder) * cylinder.stroke
     ends = math.pi / 4 * cylinder.bore**2 * 2 * cylinder.bore
     return cylinder.count * STEEL * (rod + barrel + ends)

@@ -10,8 +10,9 @@
     POST api/design/simulate    a design, perhaps posture [rad or m] and load [kg] -> the address of its operation page
     POST api/design/change      a design, changes {path: m} -> the design with these sizes (see `design.changes`)
     POST api/design/optimise    a design, variables, goals, generations, population -> the search begins
-    GET  api/design/optimise    {running, generations, front, stands, problems}: the front so far (see `studies`), and
-                                what the crane that the search began with reaches in each goal
+    GET  api/design/optimise    {running, generations, front, stands, hindered, problems}: the front so far (see
+                                `studies`), what the crane that the search began with reaches in each goal, and if no
+                                candidate can be built, why the one that misses least cannot
     POST api/design/optimise/stop
     POST api/design/optimise/open     a saved front -> takes the place of the search, to go on from
     POST api/design/optimise/resume   generations in all -> the search goes on from its front
@@ -249,6 +250,7 @@ class Desk:
                 "generations": search.generations,
                 "front": None if search.front is None else plain(search.front),
                 "stands": search.stands,
+                "hindered": search.hindered,
                 "problems": [] if search.error is None else _problems(search.error),
             }
         )
@@ -269,6 +271,13 @@ class _Search:
         self.running = False
         self._fronts = fronts
         self._stopped = threading.Event()
+
+    @property
+    def hindered(self) -> list[str]:
+        """Why no candidate can be built so far; empty if one can."""
+        if self.front is None or self.front.best.any():
+            return []
+        return studies.why_not(self.front.design(self.front.nearest))
 
     def judge(self) -> None:
         """Judge the first candidates, so that what cannot be searched is refused here."""

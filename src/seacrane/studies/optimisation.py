@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seacrane import design, documents
-from seacrane.design import Crane, changes, chart, mass, planar
-from seacrane.errors import ParameterError, Problem
+from seacrane.design import Crane, buckling, changes, chart, mass, planar
+from seacrane.errors import ParameterError, Problem, UnitError, nearest
+from seacrane.units import parse
 
 Array = NDArray[np.float64]
 
@@ -30,8 +31,17 @@ GOALS: Final = ("reach", "weight", "capacity")
 LEAST_POPULATION: Final = 4
 """Fewer candidates do not make a generation."""
 
-_POSTURES: Final = {1: 400, 2: 90, 3: 24}
+_POSTURES: Final = {1: 400, 2: 160, 3: 40}
 """Postures per joint for the loads of a candidate, by the number of joints in the plane."""
+
+_BAND: Final = 0.01
+"""Share of a radius by which a posture may fall short of it; its load is then scaled by the moment."""
+
+BUCKLING: Final = 2.3
+"""Least safety of a cylinder against buckling in a candidate (see `design.buckling`); an assumption."""
+
+THICKEST_ROD: Final = 0.95
+"""Largest share of the bore that a rod takes in a candidate: the annulus has to draw it in again. An assumption."""
 
 
 @dataclass(frozen=True)
@@ -66,8 +76,8 @@ class Goal:
 class Front:
     """The candidates after a generation.
 
-    values (n, variables) [m]; goals (n, goals) in SI; violation (n,): 0 for a crane that can be built; best (n,): those
-    that no other beats in every goal.
+    values (n, variables) [m]; goals (n, goals) in SI; violation (n,): 0 for a crane that can be built, see
+    `shortfalls`; best (n,): those that no other beats in every goal.
     """
 
     crane: Crane
@@ -89,6 +99,11 @@ class Front:
             beaten[i] = np.any(np.all(others <= signed[i], axis=1) & np.any(others < signed[i], axis=1))
         marked: NDArray[np.bool_] = good & ~beaten
         return marked
+
+    @property
+    def nearest(self) -> int:
+        """The candidate that misses least of being buildable."""
+        return int(np.argmin(self.violation))
 
     def design(self, index: int) -> Crane:
         """The crane of a candidate."""
@@ -123,35 +138,65 @@ def optimise(
 def specification(data: object, crane: Crane) -> tuple[tuple[Variable, ...], tuple[Goal, ...]]:
     """Variables and goals from plain data, as a page or a file gives them.
 
-    `{"variables": [{"path", "low", "high"}], "goals": [{"kind", "radius", "mode"}]}`; without bounds a variable varies
-    by a quarter of its value, and at least 0.2 m for a pin, to both sides.
+    `{"variables": [{"path", "low", "high"}], "goals": [{"kind", "radius", "mode"}]}`; lengths are numbers in m or texts
+    with a unit. Without bounds a variable varies by a quarter of its value to both sides, a pin by 0.2 m at least.
     """
     if not isinstance(data, Mapping):
         raise ParameterError.at("optimisation", "must be an object with variables and goals")
     problems: list[Problem] = []
     variables, goals = [], []
-    for index, item in enumerate(_list(data, "variables", problems)):
-        path = item.get("path") if isinstance(item, Mapping) else None
+    for at, item in _items(data, "variables", ("path", "low", "high"), problems):
+        path = item.get("path")
         if not isinstance(path, str):
-            problems.append(Problem(f"variables[{index}].path", "must be the path of a size", allowed=changes.PATHS))
+            problems.append(Problem(f"{at}.path", "must be the path of a size", path, changes.PATHS))
             continue
         now = changes.value(crane, path)
         span = max(0.25 * abs(now), 0.2 if ("base" in path or "eye" in path) else 0.0)
-        bounds = [item.get("low", now - span), item.get("high", now + span)]
-        if not all(isinstance(b, int | float) and math.isfinite(b) for b in bounds):
-            problems.append(Problem(f"variables[{index}]", "low and high must be numbers in m", bounds, "finite"))
+        low = _length(item.get("low", now - span), f"{at}.low", problems)
+        high = _length(item.get("high", now + span), f"{at}.high", problems)
+        variables.append(Variable(path, low, high))
+    for at, item in _items(data, "goals", ("kind", "radius", "mode", "name"), problems):
+        kind = item.get("kind")
+        if kind not in GOALS:
+            problems.append(Problem(f"{at}.kind", "is not a goal", kind, ", ".join(GOALS)))
             continue
-        variables.append(Variable(path, float(bounds[0]), float(bounds[1])))
-    for index, item in enumerate(_list(data, "goals", problems)):
-        kind = item.get("kind") if isinstance(item, Mapping) else None
-        radius = item.get("radius", 0.0) if isinstance(item, Mapping) else 0.0
-        if kind not in GOALS or not isinstance(radius, int | float):
-            problems.append(Problem(f"goals[{index}].kind", "is not a goal", kind, ", ".join(GOALS)))
-            continue
-        goals.append(Goal(kind, float(radius), str(item.get("mode", "harbour"))))
+        radius = _length(item.get("radius", 0.0), f"{at}.radius", problems)
+        goals.append(Goal(kind, radius, str(item.get("mode", "harbour"))))
     if problems:
         raise ParameterError(problems)
     return tuple(variables), tuple(goals)
+
+
+def _items(
+    data: Mapping[str, Any], key: str, fields: Sequence[str], problems: list[Problem]
+) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """The objects in a list of the specification, each with its path; what is none, or has a strange field, is told."""
+    items = data.get(key)
+    if not isinstance(items, list):
+        problems.append(Problem(key, "must be a list"))
+        return
+    for index, item in enumerate(items):
+        at = f"{key}[{index}]"
+        if not isinstance(item, Mapping):
+            problems.append(Problem(at, "must be an object", item, ", ".join(fields)))
+            continue
+        for strange in sorted(item.keys() - fields):
+            problems.append(Problem(f"{at}.{strange}", "is not a field here", hint=nearest(strange, fields)))
+        yield at, item
+
+
+def _length(given: object, path: str, problems: list[Problem]) -> float:
+    """A length [m] of a number or of a text with a unit."""
+    if isinstance(given, str):
+        try:
+            return parse(given, "m", path)
+        except UnitError as error:
+            problems.extend(error.problems)
+            return 0.0
+    if isinstance(given, int | float) and not isinstance(given, bool) and math.isfinite(given):
+        return float(given)
+    problems.append(Problem(path, "must be a length", given, 'a finite number in m, or a text such as "350 mm"'))
+    return 0.0
 
 
 def save(front: Front, path: str | os.PathLike[str]) -> None:
@@ -304,19 +349,46 @@ def judged(crane: Crane, goals: Sequence[Goal]) -> list[float]:
         if goal.kind == "weight":
             return sum(link.mass for link in crane.links) + sum(mass.of_cylinder(c) for c in crane.cylinders)
         loads = found[goal.mode]
-        at_least = loads.radius >= goal.radius
-        return float(loads.swl[at_least].max()) if at_least.any() else 0.0
+        if loads.radius.max() < goal.radius:
+            return 0.0
+        # as in `chart.curve`: what is lifted a little nearer is scaled to the radius by the moment
+        near = loads.radius >= (1.0 - _BAND) * goal.radius
+        return float((loads.swl[near] * np.minimum(1.0, loads.radius[near] / goal.radius)).max())
 
     return [one(goal) for goal in goals]
 
 
 def violation(crane: Crane) -> float:
-    """By how much cylinders are too short to be built, in all [m]: closed, each needs its stroke and its bore."""
-    total = 0.0
+    """By how much a crane cannot be built, as a share: 0 if `shortfalls` and `design.check` find nothing."""
+    return sum(share for _, share in shortfalls(crane)) or float(len(design.check(crane)))
+
+
+def why_not(crane: Crane) -> list[str]:
+    """What keeps a crane from being built, in words; nothing where `violation` is 0."""
+    return [words for words, _ in shortfalls(crane)] or [str(problem) for problem in design.check(crane)]
+
+
+def shortfalls(crane: Crane) -> list[tuple[str, float]]:
+    """What keeps the cylinders of a crane from being built, in words, each with the share by which it misses.
+
+    Closed, a cylinder needs its stroke and its bore between the pins; the rod must leave an annulus; the joint must not
+    pass a dead point; and out, at working pressure, it must be `BUCKLING` times safe against buckling.
+    """
+    found = []
     for cylinder in crane.cylinders:
-        closed = design.geometry.retracted_length(crane, cylinder)
-        total += max(0.0, cylinder.stroke + cylinder.bore - closed)
-    return total
+        closed, needed = design.geometry.retracted_length(crane, cylinder), cylinder.stroke + cylinder.bore
+        if closed < needed:
+            words = f"its pins are {closed:.4g} m apart when it is closed; a stroke and a bore take {needed:.4g} m"
+            found.append((cylinder, words, needed / max(closed, 1e-3) - 1))
+        if cylinder.rod > THICKEST_ROD * cylinder.bore:
+            words = f"its rod of {cylinder.rod:.4g} m leaves no annulus in a bore of {cylinder.bore:.4g} m"
+            found.append((cylinder, words, cylinder.rod / (THICKEST_ROD * cylinder.bore) - 1))
+        if design.geometry.extends_upward(crane, cylinder) is None:
+            found.append((cylinder, f"it passes a dead point within the limits of {cylinder.moves}", 1.0))
+        safe = buckling.safety(crane, cylinder)
+        if safe < BUCKLING:
+            found.append((cylinder, f"it is only {safe:.3g} times safe against buckling", BUCKLING / safe - 1))
+    return [(f"{cylinder.name}: {words}", share) for cylinder, words, share in found]
 
 
 # ---------------------------------------------------------------- checks
@@ -329,10 +401,15 @@ def _check(crane: Crane, variables: Sequence[Variable], goals: Sequence[Goal], p
     if not LEAST_POPULATION <= population <= 1000:
         allowed = f"{LEAST_POPULATION} to 1000"
         problems.append(Problem("population", "is out of range", population, allowed))
+    problems += _twice("variables", [variable.path for variable in variables])
+    problems += _twice("goals", [goal.name for goal in goals])
     for variable in variables:
-        changes.value(crane, variable.path)
+        now = changes.value(crane, variable.path)
         if not variable.low < variable.high:
-            problems.append(Problem(variable.path, "low must be below high [m]", (variable.low, variable.high)))
+            shown = f"{variable.low:g} to {variable.high:g} m"
+            problems.append(Problem(variable.path, "low must be below high", shown, hint="Are they reversed?"))
+        elif variable.path.endswith("length") and not now > 0:
+            problems.append(Problem(variable.path, "the link has no length along its x that could change", now))
         elif variable.low <= 0 and variable.path.endswith(("length", "bore", "rod")):
             problems.append(Problem(variable.path, "must stay above 0 m", variable.low))
     known = [mode.name for mode in chart.modes(crane)]
@@ -345,11 +422,21 @@ def _check(crane: Crane, variables: Sequence[Variable], goals: Sequence[Goal], p
             problems.append(Problem(f"goals[{goal.name}].radius", "must be above 0 m", goal.radius))
     if problems:
         raise ParameterError(problems)
+    _check_reach(crane, variables, goals)
 
 
-def _list(data: Mapping[str, Any], key: str, problems: list[Problem]) -> list[Any]:
-    value = data.get(key)
-    if not isinstance(value, list):
-        problems.append(Problem(key, "must be a list"))
-        return []
-    return value
+def _twice(group: str, names: Sequence[str]) -> Iterator[Problem]:
+    for name in sorted({name for name in names if names.count(name) > 1}):
+        yield Problem(group, f"{name} is there twice")
+
+
+def _check_reach(crane: Crane, variables: Sequence[Variable], goals: Sequence[Goal]) -> None:
+    """Refuse a load at a radius that no candidate comes to."""
+    longest = {v.path: v.high for v in variables if v.path.endswith("length")}
+    reach = judged(changes.changed(crane, longest), [Goal("reach")])[0]
+    if problems := [
+        Problem(f"goals[{goal.name}].radius", "is out of reach of every candidate", goal.radius, f"up to {reach:.4g} m")
+        for goal in goals
+        if goal.kind == "capacity" and goal.radius > reach
+    ]:
+        raise ParameterError(problems)

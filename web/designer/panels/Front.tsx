@@ -16,13 +16,15 @@ interface Props {
   front: Front;
   /** What the crane that the search began with reaches in each goal, SI. */
   stands: readonly number[] | null;
+  /** Why none can be built, of the candidate that misses least. */
+  hindered: readonly string[];
   /** The candidate that is the design now, by its key. */
   loaded: string | null;
   onLoad: (index: number) => void;
 }
 
 /** The front over two goals, a third by colour; what is under the pointer in numbers; and as a table. */
-export function FrontView({ front, stands, loaded, onLoad }: Props) {
+export function FrontView({ front, stands, hindered, loaded, onLoad }: Props) {
   const [axes, setAxes] = useState<readonly [x: number, y: number, shade: number]>([0, 1, 2]);
   // What was pointed at last stays shown, so that one can read on with the pointer elsewhere.
   const [under, setUnder] = useState<string | null>(null);
@@ -55,7 +57,14 @@ export function FrontView({ front, stands, loaded, onLoad }: Props) {
         )}
       </div>
       {order.length === 0 ? (
-        <p className="hint">None of the {front.values.length} candidates can be built so far.</p>
+        <div className="hint" data-testid="hindered">
+          None of the {front.values.length} candidates can be built so far. Of the one that misses least:
+          <ul>
+            {hindered.map((words) => (
+              <li key={words}>{words}</li>
+            ))}
+          </ul>
+        </div>
       ) : (
         <Scatter
           front={front}

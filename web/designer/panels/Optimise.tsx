@@ -130,6 +130,7 @@ export function Optimise() {
         <FrontView
           front={front}
           stands={told?.stands ?? null}
+          hindered={told?.hindered ?? []}
           loaded={taken?.crane === crane ? taken.key : null}
           onLoad={(index) => search.take(index)}
         />

@@ -109,10 +109,17 @@ def generate(dae: Dae) -> Generated:
         **{key: value for key, value in sizes.items() if isinstance(value, int)},
     }
     header = "".join(f"#define {name} {value}\n" for name, value in numbers.items())
-    header += f'#define MODEL_GUID "{guid}"\n'
     bytes_of_hash = ", ".join(f"0x{digest[i : i + 2]}" for i in range(0, 32, 2))
     tables += f"const unsigned char model_hash[16] = {{{bytes_of_hash}}};\n"
-    sources = {**CORE, "model_size.h": header, "model_tables.c": tables, "model_functions.c": functions}
+    # Start values and the GUID that hangs on them are apart: what has only other ones is not compiled anew
+    identity = f'#define MODEL_GUID "{guid}"\n'
+    sources = {
+        **CORE,
+        "model_size.h": header,
+        "model_guid.h": identity,
+        "model_tables.c": tables,
+        "model_functions.c": functions,
+    }
     return Generated(dae, sources, tuple(entries), guid, time)
 
 

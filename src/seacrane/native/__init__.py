@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 import shlex
 import shutil
 import subprocess
 import tempfile
+import threading
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -59,27 +61,62 @@ def cache_folder() -> Path:
 def build_library(name: str, sources: Mapping[str, str], flags: Sequence[str] = ()) -> Path:
     """The shared library compiled from C `sources` (file name to text; headers included), from the cache if there.
 
-    The cache is keyed by content, compiler and flags. A library appears in it complete or not at all, so that
-    processes may build the same one at the same time. Raises `CompileError` with the command and its output.
+    The cache is keyed by content, compiler and flags, and holds each compiled file too: of a model with other start
+    values, only these are compiled. What is in it appears complete or not at all, so that processes may build the same
+    library at the same time. Raises `CompileError` with the command and its output.
     """
     command = [*compiler(), *FLAGS, *flags]
     efforts = sorted((file, _effort(text)) for file, text in sources.items())
-    key = hashlib.sha256(repr((command, name, efforts, sorted(sources.items()))).encode()).hexdigest()
-    target = cache_folder() / key[:32] / f"{name}.so"
+    target = cache_folder() / _key(command, name, efforts, sorted(sources.items())) / f"{name}.so"
     if target.exists():
         return target
-    target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="seacrane-") as folder:
         for file, text in sources.items():
             (Path(folder) / file).write_text(text, encoding="utf-8")
         units = sorted((file for file in sources if file.endswith(".c")), key=lambda f: (-len(sources[f]), f))
         with ThreadPoolExecutor(os.cpu_count()) as pool:  # the longest first
-            list(pool.map(lambda f: _run([*command, *_effort(sources[f]), "-c", f], folder), units))
-        _run([*command, "-shared", "-o", target.name, *(f"{Path(f).stem}.o" for f in units), "-lm"], folder)
-        partial = target.with_name(f".{name}.{os.getpid()}.so")
-        shutil.copyfile(Path(folder) / target.name, partial)
-        partial.replace(target)
+            objects = list(pool.map(lambda f: _object(f, sources, command, folder), units))
+        _run([*command, "-shared", "-o", target.name, *map(str, objects), "-lm"], folder)
+        _keep(Path(folder) / target.name, target)
     return target
+
+
+def _object(unit: str, sources: Mapping[str, str], command: Sequence[str], folder: str) -> Path:
+    """One compiled C file, from the cache if it and all that it includes are the same."""
+    command = [*command, *_effort(sources[unit])]
+    target = cache_folder() / "objects" / f"{_key(command, _with_included(unit, sources))}.o"
+    if not target.exists():
+        compiled = f"{Path(unit).stem}.o"
+        _run([*command, "-c", "-o", compiled, unit], folder)
+        _keep(Path(folder) / compiled, target)
+    return target
+
+
+_INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
+
+
+def _with_included(unit: str, sources: Mapping[str, str]) -> list[tuple[str, str]]:
+    """Names and texts of a C file and of those of `sources` that it includes, through others too."""
+    found: dict[str, str] = {}
+    open_files = [unit]
+    while open_files:
+        file = open_files.pop()
+        if file in sources and file not in found:
+            found[file] = sources[file]
+            open_files += _INCLUDE.findall(sources[file])
+    return sorted(found.items())
+
+
+def _key(*content: object) -> str:
+    return hashlib.sha256(repr(content).encode()).hexdigest()[:32]
+
+
+def _keep(file: Path, target: Path) -> None:
+    """Put a file into the cache, whole at once."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    partial = target.with_name(f".{target.stem}.{os.getpid()}.{threading.get_ident()}{target.suffix}")
+    shutil.copyfile(file, partial)
+    partial.replace(target)
 
 
 def _effort(text: str) -> list[str]:

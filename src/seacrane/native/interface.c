@@ -1,5 +1,6 @@
 /* The services of an instance as FMI wants them, whatever its version. */
 #include "interface.h"
+#include "model_guid.h" /* MODEL_GUID */
 
 #include <math.h>
 #include <stdlib.h>

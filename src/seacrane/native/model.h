@@ -6,13 +6,14 @@
 
    p holds the parameters, then the modes: numbers that only events change.
 
-   "model_size.h" and the definitions of the tables are written by seacrane.model.codegen, the functions by CasADi. */
+   "model_size.h", "model_guid.h" and the definitions of the tables are written by seacrane.model.codegen, the functions by
+   CasADi. */
 #ifndef SEACRANE_MODEL_H
 #define SEACRANE_MODEL_H
 
 #include <stdint.h>
 
-#include "model_size.h" /* MODEL_GUID, NX, NZ, NU, NP, NM, NE, NY, NW, NNZ, NNZ_ALG, NFACTORS, WORK_... */
+#include "model_size.h" /* NX, NZ, NU, NP, NM, NE, NY, NW, NNZ, NNZ_ALG, NFACTORS, WORK_... */
 
 /* However the sources are compiled, what they share stays inside: names such as `step` are in the C library too, and on
    Linux would be taken from there. */

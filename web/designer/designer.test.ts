@@ -5,7 +5,6 @@ import { curve, verdict } from "../core/design/curve";
 import {
   differences,
   dragged,
-  endOf,
   get,
   nudged,
   scaled,
@@ -15,6 +14,7 @@ import {
   withoutLink,
 } from "../core/design/edit";
 import { fromData, read, text } from "../core/design/file";
+import { endOf } from "../core/design/length";
 import { capacity } from "../core/design/loadChart";
 import { frames, outOf, tip } from "../core/design/plane";
 import { type Crane, HARBOUR, planeJoints } from "../core/design/types";

@@ -3,6 +3,7 @@ import { createStore } from "zustand/vanilla";
 import { type Problem, problems } from "../core/design/check";
 import { fitting, type Path, type Scene, set } from "../core/design/edit";
 import type { Posture } from "../core/design/plane";
+import { inStep } from "../core/design/together";
 import { type Crane, HARBOUR, modes } from "../core/design/types";
 
 const DEEPEST = 400;
@@ -89,7 +90,8 @@ export function createDesigner(crane: Crane, posture: Posture = {}) {
       this.end(by);
     },
     edit(by: string, path: Path, value: unknown): void {
-      this.apply(by, set(store.getState().crane, path, value));
+      const { crane } = store.getState();
+      this.apply(by, inStep(crane, set(crane, path, value)));
     },
     pose(posture: Posture): void {
       const { crane, posture: now } = store.getState();

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { design, fill, loads, painted, pictures, scenarios, until } from "./bench.mjs";
 
-const verdict = (page) => page.locator(".verdict table").innerText();
+const verdict = (page) => page.getByTestId("limits").innerText();
 
 /** Does something that changes the limits, and gives what the page then says of the posture and of every radius. */
 async function told(page, action, curves = true) {

@@ -1,8 +1,9 @@
 // What one looks up in a load chart: the best load at each radius in each mode, and what each limit alone would allow.
+import { type Held, holding } from "./holding";
 import { capacity, limitNames } from "./loadChart";
 import type { Posture } from "./plane";
 import { postures } from "./section";
-import { type Crane, type Mode, planeJoints } from "./types";
+import { type Crane, GRAVITY, type Mode, planeJoints } from "./types";
 
 export interface Curve {
   readonly mode: string;
@@ -48,6 +49,10 @@ export interface Verdict {
   readonly load: number;
   readonly governs: string;
   readonly shares: readonly Share[];
+  /** What the load is taken for, over what it weighs: dynamic factor of the mode. */
+  readonly dynamic: number;
+  /** What the cylinders bear with that load and factor. */
+  readonly held: readonly Held[];
 }
 
 /** What the crane may lift in one posture, all limits together and each alone. */
@@ -55,13 +60,37 @@ export function verdict(crane: Crane, posture: Posture, mode: Mode): Verdict {
   const coordinates = planeJoints(crane).map((joint) => [posture[joint.name] ?? 0]);
   const names = limitNames(crane);
   const all = capacity(crane, coordinates, mode);
+  const hooked = all.load[0] + (crane.hoist.hook_mass ?? 0);
+  const factor = all.load[0] > 0 ? dynamic(crane, coordinates, mode, hooked) : 1;
   return {
     radius: all.radius[0],
     height: all.height[0],
     load: all.load[0],
     governs: names[all.governs[0]],
     shares: names.map((limit) => ({ limit, load: capacity(alone(crane, limit), coordinates, mode).load[0] })),
+    dynamic: factor,
+    held: holding(crane, posture, all.load[0] > 0 ? factor * hooked * GRAVITY : 0, mode),
   };
+}
+
+/** A crane this much softer meets its load without a shock. */
+const SOFT = 1e-18;
+
+/**
+ * The dynamic factor of a mass on the hook, 1 + sqrt(b / m), or that of the harbour where it is more. What b is shows from
+ * the mass that the limits bear with dynamics and from the one that they would bear on a crane without stiffness.
+ */
+function dynamic(crane: Crane, coordinates: readonly ArrayLike<number>[], mode: Mode, mass: number): number {
+  const least = crane.rating?.harbour_factor ?? 1;
+  if (mode.waveHeight === 0) return least;
+  const { hoist, rating } = crane;
+  const stiff: Crane = { ...crane, rating: { ...rating, load_moment: null, heeling_moment: null } };
+  const rope = { ...hoist.rope, EA: SOFT * hoist.rope.EA };
+  const soft: Crane = { ...stiff, bulk_modulus: SOFT * crane.bulk_modulus, hoist: { ...hoist, rope } };
+  const hook = hoist.hook_mass ?? 0;
+  const [shaken, borne] = [stiff, soft].map((one) => capacity(one, coordinates, mode).load[0] + hook);
+  const root = ((least * borne) / shaken - 1) * Math.sqrt(shaken);
+  return Number.isFinite(root) ? Math.max(least, 1 + root / Math.sqrt(mass)) : least;
 }
 
 const BOUNDLESS = 1e6;

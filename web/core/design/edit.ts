@@ -1,4 +1,5 @@
 // Changes to a crane, each a new crane: by path for the forms, by what is dragged for the drawing.
+import { endedAt, endOf } from "./length";
 import { cylinderLengths, frames, into, type Point, type Posture } from "./plane";
 import { type Attachment, type Crane, type Cylinder, FOOT, type Joint, type Limits, type Link } from "./types";
 
@@ -141,25 +142,6 @@ function placed(crane: Crane, handle: Exclude<Handle, { kind: "joint" | "limit" 
         : ["hoist", "drum"];
   const { x, z } = get(crane, path) as Attachment;
   return [path, [x, z]];
-}
-
-/** Where a link ends, in its frame: at the joint of the next, or at the tip. */
-export function endOf(crane: Crane, link: number): Point {
-  const next = crane.links[link + 1];
-  if (next) return [next.joint.origin[0], next.joint.origin[2]];
-  const { x, z } = crane.hoist.sheaves[crane.hoist.sheaves.length - 1];
-  return [x, z];
-}
-
-/** The crane with a link ending elsewhere: the next joint, or the tip, moves there, and sheaves on the old end with it. */
-export function endedAt(crane: Crane, link: number, [x, z]: Point): Crane {
-  const next = crane.links[link + 1];
-  if (!next) {
-    const last = crane.hoist.sheaves.length - 1;
-    return set(crane, ["hoist", "sheaves", last], { ...crane.hoist.sheaves[last], x, z });
-  }
-  const [, y] = next.joint.origin;
-  return set(crane, ["links", link + 1, "joint", "origin"], [x, y, z]);
 }
 
 function limited({ crane, posture }: Scene, link: number, end: 0 | 1, value: number): Scene {

@@ -1,6 +1,7 @@
 // Parts to begin with: of the size of the link that they are added to.
-import { endOf, fresh } from "./edit";
+import { fresh } from "./edit";
 import type { PartKind } from "./fields";
+import { endOf } from "./length";
 import type { Crane, Part } from "./types";
 
 /** A part of a kind to begin with, of the size of its link. */

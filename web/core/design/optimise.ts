@@ -1,7 +1,7 @@
 // The search for better designs as the server takes it and tells of it: sizes that may change, goals, the front. The same
 // names as src/seacrane/studies/optimisation.py.
 import { fixed, TONNE } from "../units";
-import { endOf } from "./edit";
+import { endOf } from "./length";
 import type { UnitSymbol } from "./quantity";
 import { type Crane, HARBOUR, modes } from "./types";
 

@@ -12,6 +12,7 @@ import {
   unitOf,
 } from "../../core/design/fields";
 import { type UnitSymbol, written } from "../../core/design/quantity";
+import { inStep } from "../../core/design/together";
 import { type Crane, FOOT } from "../../core/design/types";
 import { symbol } from "../../core/units";
 import { useBench, useDesigner } from "../context";
@@ -53,7 +54,7 @@ function useQuantity(path: Path, label: string) {
   const { designer } = useBench();
   const changed = (value: number) => {
     const { crane, posture } = designer.store.getState();
-    return { crane: set(crane, path, value), posture };
+    return { crane: inStep(crane, set(crane, path, value)), posture };
   };
   return {
     onChange: (value: number | undefined) => designer.edit(label, path, value),

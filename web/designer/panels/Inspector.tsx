@@ -1,5 +1,9 @@
+import { useRef } from "react";
 import { withCylinder, within, withLink, withoutLink, withStroke } from "../../core/design/edit";
+import { lengthened, lengthOf, SHORTEST } from "../../core/design/length";
 import { ofPart } from "../../core/design/mass";
+import { inStep } from "../../core/design/together";
+import type { Crane } from "../../core/design/types";
 import { fixed, TONNE } from "../../core/units";
 import { useBench, useDesigner } from "../context";
 import type { Selection } from "../store";
@@ -105,6 +109,7 @@ function Details({ selection }: { selection: Selection }) {
         <>
           <h2>{link.name}</h2>
           <Coordinate index={selection.index} />
+          <Length index={selection.index} />
           <p className="tools">
             <button type="button" onClick={() => designer.apply("add cylinder", withCylinder(crane, selection.index))}>
               + cylinder
@@ -167,6 +172,35 @@ function Details({ selection }: { selection: Selection }) {
         </>
       );
   }
+}
+
+/** How long a link is, where it has a length to change. */
+function Length({ index }: { index: number }) {
+  const { designer } = useBench();
+  const crane = useDesigner((state) => state.crane);
+  const length = lengthOf(crane, index);
+  const begun = useRef(crane);
+  if (length < SHORTEST) return null;
+  const to = (from: Crane, next: number) => inStep(from, lengthened(from, index, next));
+  return (
+    <NumberField
+      label="Length"
+      hint="of the same section: mass and what is beyond the middle follow; to the next joint, or to the tip"
+      value={length}
+      unit="m"
+      check={(next) => (next >= SHORTEST ? null : "must be at least 0.01 m")}
+      onChange={(next) => next !== undefined && designer.apply("length", to(crane, next))}
+      onDrag={(next) => {
+        const now = designer.store.getState();
+        if (!now.dragging) {
+          begun.current = now.crane;
+          designer.begin();
+        }
+        designer.change({ crane: to(begun.current, next), posture: now.posture });
+      }}
+      onDragged={(cancelled) => (cancelled ? designer.cancel() : designer.end("length"))}
+    />
+  );
 }
 
 /** Where the joint of a link stands now. */

@@ -4,6 +4,7 @@ import { PART_KINDS, type PartKind } from "../../core/design/fields";
 import { ofPart, weighed } from "../../core/design/mass";
 import { newPart } from "../../core/design/newPart";
 import { furnished } from "../../core/design/standard";
+import { followsParts } from "../../core/design/together";
 import type { Part } from "../../core/design/types";
 import { fixed, TONNE } from "../../core/units";
 import { useBench, useDesigner } from "../context";
@@ -92,14 +93,20 @@ export function Parts({ index, part, mass }: { index: number; part?: number; mas
             ))}
           </ul>
           <p className="hint" data-testid="parts-mass" data-value={mass}>
-            All parts {fixed(mass / TONNE, 2)} t; the design says {fixed(link.mass / TONNE, 2)} t.{" "}
-            <button
-              type="button"
-              className="plain"
-              onClick={() => designer.edit("weigh", ["links", index], weighed(crane).links[index])}
-            >
-              Take mass, centre and inertia from the parts
-            </button>
+            {followsParts(link) ? (
+              `All parts ${fixed(mass / TONNE, 2)} t. Mass, centre and inertia of the link follow them.`
+            ) : (
+              <>
+                All parts {fixed(mass / TONNE, 2)} t; the design says {fixed(link.mass / TONNE, 2)} t.{" "}
+                <button
+                  type="button"
+                  className="plain"
+                  onClick={() => designer.edit("weigh", ["links", index], weighed(crane).links[index])}
+                >
+                  Take mass, centre and inertia from the parts
+                </button>
+              </>
+            )}
           </p>
         </>
       )}

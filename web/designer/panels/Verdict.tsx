@@ -1,5 +1,7 @@
 import { useEffect } from "react";
-import { fixed, TONNE } from "../../core/units";
+import type { Held } from "../../core/design/holding";
+import { type Crane, planeJoints } from "../../core/design/types";
+import { BAR, fixed, TONNE } from "../../core/units";
 import { useBench, useDesigner, useView } from "../context";
 import { simulate } from "../simulate";
 
@@ -17,12 +19,22 @@ export function useVerdict(): void {
   }, [view, charts, crane, posture, mode]);
 }
 
+/** Joints of the crane's plane that no cylinder moves, and no limit of the structure is about. */
+export function unheld(crane: Crane): string[] {
+  const structure = crane.rating?.structure ?? [];
+  return planeJoints(crane)
+    .map(({ name }) => name)
+    .filter((name) => !crane.cylinders.some(({ moves }) => moves === name) && !structure.some((s) => s.joint === name));
+}
+
 /** What the posture shown may lift, and what each limit alone would allow. */
 export function Verdict() {
   const bench = useBench();
   const value = useView((state) => state.verdict);
+  const crane = useDesigner((state) => state.crane);
   if (!value) return null;
   const least = Math.max(value.load, 1);
+  const free = unheld(crane);
   return (
     <section className="verdict" aria-label="Load in the posture shown">
       <h2>In this posture</h2>
@@ -30,12 +42,20 @@ export function Verdict() {
         <b data-testid="load" data-value={value.load}>
           {fixed(value.load / TONNE, 1)}
         </b>{" "}
-        t <span>{value.load > 0 ? `${value.governs} governs` : `nothing: ${value.governs}`}</span>
+        t{" "}
+        <span>
+          {value.load > 0
+            ? `${value.governs} governs`
+            : `nothing: ${value.governs} bears the crane alone, or not even that`}
+        </span>
       </p>
       <p className="hint">
         radius <b>{fixed(value.radius, 2)} m</b>, height <b>{fixed(value.height, 2)} m</b>
+        <br />
+        dynamic factor <b data-testid="dynamic">{fixed(value.dynamic, 2)}</b>
       </p>
-      <table>
+      <table data-testid="limits">
+        <caption>Allowed by each limit alone; its use as a bar</caption>
         <tbody>
           {value.shares.map(({ limit, load }) => (
             <tr key={limit} data-governs={limit === value.governs}>
@@ -48,6 +68,12 @@ export function Verdict() {
           ))}
         </tbody>
       </table>
+      {value.held.length > 0 && <Cylinders held={value.held} load={value.load} cylinders={crane.cylinders} />}
+      {free.length > 0 && (
+        <p className="hint" data-testid="unheld">
+          No cylinder moves {free.join(", ")}: taken as held, without a limit of its own.
+        </p>
+      )}
       <button
         type="button"
         className="wide"
@@ -58,5 +84,38 @@ export function Verdict() {
         Simulate from here with {fixed(value.load / TONNE, 1)} t
       </button>
     </section>
+  );
+}
+
+interface CylindersProps {
+  held: readonly Held[];
+  /** [kg] */
+  load: number;
+  cylinders: Crane["cylinders"];
+}
+
+/** What the cylinders bear with the load that may be lifted. */
+function Cylinders({ held, load, cylinders }: CylindersProps) {
+  return (
+    <table className="held" data-testid="held">
+      <caption>Cylinders {load > 0 ? `with ${fixed(load / TONNE, 1)} t, dynamics in` : "without a load"}</caption>
+      <tbody>
+        {held.map(({ cylinder, length, lever, pressure, side }, i) => (
+          <tr key={cylinder}>
+            <th scope="row">
+              {cylinder}
+              <small>
+                {fixed(length, 2)} m between pins, lever {fixed(lever, 2)} m{side === "rod" && ", rod side"}
+              </small>
+            </th>
+            <td>
+              {Number.isFinite(pressure)
+                ? `${fixed(pressure / BAR, 0)} of ${fixed((cylinders[i]?.pressure ?? 0) / BAR, 0)} bar`
+                : "no lever"}
+            </td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
   );
 }

@@ -1,5 +1,5 @@
 import { useMemo } from "react";
-import { endOf } from "../../core/design/edit";
+import { endOf } from "../../core/design/length";
 import { frames, outOf, type Point, type Pose, type Posture, pin, retracted } from "../../core/design/plane";
 import { furnished } from "../../core/design/standard";
 import type { Crane } from "../../core/design/types";

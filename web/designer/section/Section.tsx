@@ -3,6 +3,7 @@ import { useElementSize } from "@mantine/hooks";
 import { type KeyboardEvent, type PointerEvent, useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { dragged, type Handle, nudged, type Steps } from "../../core/design/edit";
 import type { Point } from "../../core/design/plane";
+import { inStep } from "../../core/design/together";
 import { fixed, TONNE } from "../../core/units";
 import type { Found, Painted } from "../chart.worker";
 import { useBench, useDesigner, useView } from "../context";
@@ -175,12 +176,16 @@ export function Section() {
     const held: Point = [grip.at[0] - from[0], grip.at[1] - from[1]];
     pick(grip.handle);
     designer.begin();
+    const begun = designer.store.getState();
     setActive(grip.key);
     setPointed(null);
     follow(event.currentTarget, event.pointerId, {
       move: (next) => {
         const [x, z] = metres(next);
-        designer.change(dragged(designer.store.getState(), grip.handle, [x + held[0], z + held[1]], steps(next)));
+        // a joint goes on from where it is, past half a turn; a shape is always the one from before with one change
+        const from = grip.handle.kind === "joint" ? designer.store.getState() : begun;
+        const scene = dragged(from, grip.handle, [x + held[0], z + held[1]], steps(next));
+        designer.change({ ...scene, crane: inStep(from.crane, scene.crane) });
       },
       done: (cancelled) => {
         setActive(null);
@@ -207,7 +212,7 @@ export function Section() {
       ...direction,
       steps({ altKey: false, shiftKey: event.shiftKey }),
     );
-    designer.apply(grip.label, next.crane, next.posture);
+    designer.apply(grip.label, inStep(crane, next.crane), next.posture);
   };
 
   const arc = useCallback(

@@ -1,5 +1,6 @@
 // What can be dragged in the drawing: where each handle is, what it is called, and what it says of its value.
-import { endOf, type Handle, type Scene } from "../../core/design/edit";
+import type { Handle, Scene } from "../../core/design/edit";
+import { endOf } from "../../core/design/length";
 import { frames, outOf, type Point, pin } from "../../core/design/plane";
 import { fixed } from "../../core/units";
 
@@ -27,8 +28,7 @@ export function grips({ crane, posture }: Scene, arc: (link: number) => number):
     const pose = at.get(link.name)!;
     const [ex, ez] = endOf(crane, index);
     const turns = joint.kind === "revolute";
-    const inPlane = joint.name !== crane.slew?.joint;
-    if (inPlane) {
+    if (joint.name !== crane.slew?.joint) {
       const q = posture[joint.name] ?? 0;
       found.push({
         key: `joint-${link.name}`,
@@ -55,15 +55,6 @@ export function grips({ crane, posture }: Scene, arc: (link: number) => number):
         });
       }
     }
-    const last = index === crane.links.length - 1;
-    found.push({
-      key: `end-${link.name}`,
-      handle: { kind: "end", link: index },
-      at: outOf(pose, ex, ez),
-      label: last ? `${link.name}: tip` : `${link.name}: end, joint ${crane.links[index + 1].joint.name}`,
-      value: `${place(ex, ez)}, length ${metres(Math.hypot(ex, ez))}`,
-      now: Math.hypot(ex, ez),
-    });
   });
   crane.cylinders.forEach((cylinder, index) => {
     for (const end of ["base", "eye"] as const)
@@ -94,6 +85,19 @@ export function grips({ crane, posture }: Scene, arc: (link: number) => number):
     label: `drum on ${drum.link}`,
     value: place(drum.x, drum.z),
     now: drum.x,
+  });
+  // over the sheaves, which often are where a link ends
+  crane.links.forEach((link, index) => {
+    const [x, z] = endOf(crane, index);
+    const next = crane.links[index + 1];
+    found.push({
+      key: `end-${link.name}`,
+      handle: { kind: "end", link: index },
+      at: outOf(at.get(link.name)!, x, z),
+      label: next ? `${link.name}: end, joint ${next.joint.name}` : `${link.name}: tip`,
+      value: `${place(x, z)}, length ${metres(Math.hypot(x, z))}`,
+      now: Math.hypot(x, z),
+    });
   });
   return found;
 }

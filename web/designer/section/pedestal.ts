@@ -1,4 +1,4 @@
-import { endOf } from "../../core/design/edit";
+import { endOf } from "../../core/design/length";
 import type { Crane } from "../../core/design/types";
 
 /** What a crane is drawn to stand on, of a size that suits it: radii and depth below the foot [m]. */

@@ -1,5 +1,5 @@
 // Everything that can be ordered on the page, in one table: shortcuts, menus, the palette and the help are made from it.
-import { withCylinder, withLink, withoutLink, withStroke } from "../core/design/edit";
+import { withoutLink, withStroke } from "../core/design/edit";
 import { PART_KINDS } from "../core/design/fields";
 import { weighed } from "../core/design/mass";
 import { newPart } from "../core/design/newPart";
@@ -129,7 +129,7 @@ function ofDesign(bench: Bench): Command[] {
 }
 
 function ofChange({ designer }: Bench): Command[] {
-  const { crane, selection, past, future } = designer.store.getState();
+  const { selection, past, future } = designer.store.getState();
   const group = "Change";
   const [undo, redo] = [past.at(-1)?.by, future.at(-1)?.by];
   return [
@@ -156,9 +156,10 @@ function ofChange({ designer }: Bench): Command[] {
         id: `add-${kind}`,
         group,
         label: kind === "revolute" ? "Add a turning link" : "Add a sliding link",
-        run: () => designer.apply("add link", withLink(crane, kind)),
+        run: () => designer.addLink(kind),
       }),
     ),
+    { id: "rate", group, label: "Take the rated loads from the load chart", run: () => designer.rate() },
     ...(selection.kind === "link" ? ofLink(designer, selection.index) : []),
     ...(selection.kind === "cylinder" ? ofCylinder(designer, selection.index) : []),
   ];
@@ -176,7 +177,7 @@ function ofLink(designer: DesignerStore, index: number): Command[] {
       id: "add-cylinder",
       group,
       label: `Add a cylinder to ${link.name}`,
-      run: () => designer.apply("add cylinder", withCylinder(crane, index)),
+      run: () => designer.addCylinder(index),
     },
     {
       id: "own-parts",

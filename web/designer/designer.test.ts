@@ -2,22 +2,16 @@ import { readFileSync } from "node:fs";
 import { describe, expect, it } from "vitest";
 import { problems } from "../core/design/check";
 import { curve, verdict } from "../core/design/curve";
-import {
-  differences,
-  dragged,
-  get,
-  nudged,
-  scaled,
-  set,
-  withCylinder,
-  withLink,
-  withoutLink,
-} from "../core/design/edit";
+import { differences, dragged, get, nudged, set, withCylinder, withLink, withoutLink } from "../core/design/edit";
 import { fromData, read, text } from "../core/design/file";
 import { endOf } from "../core/design/length";
 import { capacity } from "../core/design/loadChart";
+import { bare, newCrane, scaled } from "../core/design/newCrane";
+import { firstItem } from "../core/design/newPart";
 import { frames, outOf, tip } from "../core/design/plane";
+import { furthestLoad } from "../core/design/rated";
 import { type Crane, HARBOUR, planeJoints } from "../core/design/types";
+import { unheld } from "./panels/Verdict";
 import { grips } from "./section/handles";
 import { framed, toMetres, toPixels, zoomed } from "./section/window";
 import { createDesigner } from "./store";
@@ -223,6 +217,75 @@ describe("building a chain", () => {
     expect(b.radius[0]).toBeCloseTo(2 * a.radius[0], 9);
     expect(b.load[0] / a.load[0]).toBeCloseTo(4, 6);
     expect(problems(twice)).toEqual([]);
+  });
+});
+
+describe("a new crane", () => {
+  const load = (crane: Crane) => furthestLoad(crane)!;
+
+  it.each([
+    ["offshore-100t", 0.6, 0.2],
+    ["offshore-100t", 1.4, 1.5],
+    ["gunnerus-pk65", 1.2, 0.8],
+    ["a-frame-30t", 0.7, 0.4],
+    ["dual-drag-link-60t", 0.6, 0.3],
+    ["gangway-24m", 1.3, 1.5],
+  ])("like %s, %d times as long, lifts %d times as much as far out, and no less", (name, s, share) => {
+    const like = cranes.get(name)!;
+    const before = load(like);
+    const crane = newCrane(like, s, share * before.mass);
+    const after = load(crane);
+    expect(after.radius / before.radius).toBeCloseTo(s, 1);
+    expect(after.mass).toBeGreaterThan(0.97 * share * before.mass);
+    expect(after.mass).toBeLessThan(1.2 * share * before.mass + 200);
+    expect(problems(crane)).toEqual([]);
+    expect(read(text(crane))).toEqual(crane);
+  });
+
+  it("has sizes as they are drawn", () => {
+    const crane = newCrane(offshore, 0.777, 12_345);
+    for (const { bore, rod, stroke } of crane.cylinders)
+      for (const size of [bore / 0.005, rod / 0.005, stroke / 0.01]) expect(size).toBeCloseTo(Math.round(size), 6);
+    for (const { joint } of crane.links)
+      expect(100 * joint.origin[0]).toBeCloseTo(Math.round(100 * joint.origin[0]), 6);
+  });
+
+  it("is rated by its chart: outwards less and less, nowhere more than it lifts, as far as it reaches", () => {
+    for (const name of ["offshore-100t", "a-frame-30t", "gangway-24m"]) {
+      const crane = newCrane(cranes.get(name)!, 1.2);
+      const rated = crane.capacity;
+      const chart = curve(crane, HARBOUR, 0.5);
+      expect(rated.length).toBeGreaterThan(1);
+      expect(rated.at(-1)!.radius).toBe(load(crane).radius);
+      rated.forEach(({ radius, mass }, i) => {
+        expect(mass).toBeLessThanOrEqual(chart.load[Math.round(radius / 0.5)]);
+        expect(mass).toBeGreaterThan(0.98 * chart.load[Math.round(radius / 0.5)]);
+        if (i) expect(radius).toBeGreaterThan(rated[i - 1].radius);
+      });
+    }
+  });
+
+  it("grows by links that are selected, and by cylinders that can be built", () => {
+    const designer = createDesigner(newCrane(bare(offshore), 1.2, 20_000));
+    designer.addLink("revolute");
+    expect(designer.store.getState().selection).toEqual({ kind: "link", index: 2 });
+    expect(unheld(designer.store.getState().crane)).toEqual(["fold"]);
+    designer.addCylinder(2);
+    expect(designer.store.getState().selection).toEqual({ kind: "cylinder", index: 1 });
+    expect(unheld(designer.store.getState().crane)).toEqual([]);
+    expect(designer.store.getState().problems).toEqual([]);
+    designer.rate();
+    designer.undo();
+    designer.undo();
+    expect(unheld(designer.store.getState().crane)).toEqual(["fold"]);
+  });
+
+  it("has limits and sources to begin with that make sense", () => {
+    const moment = firstItem("moment", offshore) as { joint: string; moment: number };
+    const crane: Crane = { ...offshore, rating: { ...offshore.rating, structure: [moment] } };
+    expect(problems(crane)).toEqual([]);
+    expect(load(crane).mass).toBeGreaterThan(0.5 * load(offshore).mass);
+    expect(fromData(JSON.parse(text({ ...offshore, sources: [firstItem("source", offshore) as never] })))).toBeTruthy();
   });
 });
 

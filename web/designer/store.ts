@@ -1,10 +1,11 @@
 // What this page knows: the crane being designed, the posture it is shown in, how it came to be so, and what is looked at.
 import { createStore } from "zustand/vanilla";
 import { type Problem, problems } from "../core/design/check";
-import { fitting, type Path, type Scene, set } from "../core/design/edit";
+import { fitting, type Path, type Scene, set, withCylinder, withLink } from "../core/design/edit";
 import type { Posture } from "../core/design/plane";
+import { ratedByChart } from "../core/design/rated";
 import { inStep } from "../core/design/together";
-import { type Crane, HARBOUR, modes } from "../core/design/types";
+import { type Crane, HARBOUR, type Joint, modes } from "../core/design/types";
 
 const DEEPEST = 400;
 
@@ -92,6 +93,22 @@ export function createDesigner(crane: Crane, posture: Posture = {}) {
     edit(by: string, path: Path, value: unknown): void {
       const { crane } = store.getState();
       this.apply(by, inStep(crane, set(crane, path, value)));
+    },
+    /** A link more at the end of the crane, and its fields to fill in. */
+    addLink(kind: Joint["kind"]): void {
+      const { crane } = store.getState();
+      this.apply("add link", withLink(crane, kind));
+      this.select({ kind: "link", index: crane.links.length });
+    },
+    addCylinder(link: number): void {
+      const { crane } = store.getState();
+      this.apply("add cylinder", withCylinder(crane, link));
+      this.select({ kind: "cylinder", index: crane.cylinders.length });
+    },
+    /** Rated loads by the load chart. */
+    rate(): void {
+      const { crane } = store.getState();
+      this.edit("rated loads", ["capacity"], ratedByChart(crane));
     },
     pose(posture: Posture): void {
       const { crane, posture: now } = store.getState();

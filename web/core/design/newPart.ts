@@ -1,8 +1,9 @@
-// Parts to begin with: of the size of the link that they are added to.
+// What is added to a design begins with: parts of the size of their link, items of lists that make sense.
 import { fresh } from "./edit";
-import type { PartKind } from "./fields";
+import type { PartKind, ShapeName } from "./fields";
 import { endOf } from "./length";
-import type { Crane, Part } from "./types";
+import type { UnitSymbol } from "./quantity";
+import { type Crane, GRAVITY, type Part, planeJoints } from "./types";
 
 /** A part of a kind to begin with, of the size of its link. */
 export function newPart(kind: Exclude<PartKind, "mesh">, crane: Crane, index: number): Part {
@@ -62,4 +63,16 @@ export function newPart(kind: Exclude<PartKind, "mesh">, crane: Crane, index: nu
     case "box":
       return { kind, name, centre: [0.5 * x, 0, 0.5 * z], size: [2 * depth, 2 * depth, 2 * depth], thickness: 0.01 };
   }
+}
+
+/** The first item of a list that is empty. */
+export function firstItem(of: ShapeName | UnitSymbol, crane: Crane): unknown {
+  if (of === "moment") {
+    const joint = planeJoints(crane)[0]?.name ?? crane.links[0].joint.name;
+    // what holds the heaviest moment of the rated loads, and the crane itself, about twice
+    const heaviest = Math.max(...crane.capacity.map(({ radius, mass }) => radius * mass * GRAVITY));
+    return { joint, moment: Number((2.5 * heaviest).toPrecision(2)) };
+  }
+  if (of === "source") return { of: "all numbers", kind: "assumption", note: "to be replaced by what is known" };
+  return 1;
 }

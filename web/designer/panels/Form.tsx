@@ -11,6 +11,7 @@ import {
   type ShapeName,
   unitOf,
 } from "../../core/design/fields";
+import { firstItem } from "../../core/design/newPart";
 import { type UnitSymbol, written } from "../../core/design/quantity";
 import { inStep } from "../../core/design/together";
 import { type Crane, FOOT } from "../../core/design/types";
@@ -260,9 +261,7 @@ function List({ field, path, value }: { field: ListField; path: Path; value: rea
   const { of } = field;
   const least = field.least ?? 0;
   const add = () => {
-    const last = value.at(-1);
-    const item = last ?? (ofShapes(of) ? { joint: crane.links.at(-1)!.joint.name, moment: 1e6 } : 1);
-    designer.edit(`add to ${field.label}`, path, [...value, item]);
+    designer.edit(`add to ${field.label}`, path, [...value, value.at(-1) ?? firstItem(of, crane)]);
   };
   return (
     <fieldset className="inner" title={field.hint}>

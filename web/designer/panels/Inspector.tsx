@@ -1,5 +1,5 @@
 import { useRef } from "react";
-import { withCylinder, within, withLink, withoutLink, withStroke } from "../../core/design/edit";
+import { within, withoutLink, withStroke } from "../../core/design/edit";
 import { lengthened, lengthOf, SHORTEST } from "../../core/design/length";
 import { ofPart } from "../../core/design/mass";
 import { inStep } from "../../core/design/together";
@@ -67,14 +67,10 @@ export function Inspector() {
         )}
         {node("rating", { kind: "rating" }, "rating", "limits, sea states", 1)}
         <p className="tools">
-          <button
-            type="button"
-            onClick={() => designer.apply("add link", withLink(crane, "revolute"))}
-            data-testid="add-link"
-          >
+          <button type="button" onClick={() => designer.addLink("revolute")} data-testid="add-link">
             + turning link
           </button>
-          <button type="button" onClick={() => designer.apply("add link", withLink(crane, "prismatic"))}>
+          <button type="button" onClick={() => designer.addLink("prismatic")}>
             + sliding link
           </button>
         </p>
@@ -98,6 +94,16 @@ function Details({ selection }: { selection: Selection }) {
       return (
         <>
           <h2>{crane.name}</h2>
+          <p className="tools">
+            <button
+              type="button"
+              title="best loads in harbour at round radii"
+              data-testid="rate"
+              onClick={() => designer.rate()}
+            >
+              Rated loads from the chart
+            </button>
+          </p>
           <Form shape="crane" path={[]} without={["format", "links", "cylinders", "hoist", "rating"]} />
         </>
       );
@@ -111,7 +117,7 @@ function Details({ selection }: { selection: Selection }) {
           <Coordinate index={selection.index} />
           <Length index={selection.index} />
           <p className="tools">
-            <button type="button" onClick={() => designer.apply("add cylinder", withCylinder(crane, selection.index))}>
+            <button type="button" onClick={() => designer.addCylinder(selection.index)}>
               + cylinder
             </button>
             {removed && (

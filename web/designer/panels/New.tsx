@@ -1,7 +1,9 @@
 import { Modal } from "@mantine/core";
 import { useState } from "react";
-import { scaled, withoutLink } from "../../core/design/edit";
+import { bare, newCrane } from "../../core/design/newCrane";
+import { furthestLoad } from "../../core/design/rated";
 import type { Crane } from "../../core/design/types";
+import { TONNE } from "../../core/units";
 import { useBench } from "../context";
 import { bounds } from "../section/window";
 import { SHIPPED } from "../shipped";
@@ -9,17 +11,20 @@ import { NumberField } from "./NumberField";
 
 const CHAIN = "A chain, joint by joint";
 
-/** A crane from a type, geometrically similar to a ready design, of the reach wanted. */
+/** A crane from a type: a ready design in the size that gives the reach and the load wanted. */
 export function NewDialog({ open, onClose }: { open: boolean; onClose: () => void }) {
   const { designer } = useBench();
   const [type, setType] = useState(SHIPPED.find(({ name }) => name === "offshore-100t")?.type ?? CHAIN);
   const [reach, setReach] = useState(25);
+  const [load, setLoad] = useState<number | undefined>(undefined);
   const [name, setName] = useState("my crane");
   const create = async () => {
     const like = SHIPPED.find((item) => item.type === type) ?? SHIPPED.find((item) => item.name === "offshore-100t")!;
-    let crane = await like.load();
-    if (type === CHAIN) crane = bare(crane);
-    crane = scaled(crane, reach / furthest(crane));
+    const ready = await like.load();
+    const short = type === CHAIN ? bare(ready) : ready;
+    // a short chain is to lift what the whole crane would lift as far out
+    const usual = type === CHAIN ? furthestLoad(newCrane(ready, reach / furthest(ready)))?.mass : undefined;
+    const crane = newCrane(short, reach / furthest(short), load ?? usual);
     designer.open({ ...crane, name: name.trim() || "my crane", about: `A new crane: ${type.toLowerCase()}.` });
     onClose();
   };
@@ -46,9 +51,19 @@ export function NewDialog({ open, onClose }: { open: boolean; onClose: () => voi
           check={(value) => (value >= 2 && value <= 150 ? null : "must be 2 to 150 m")}
           onChange={(value) => value !== undefined && setReach(value)}
         />
+        <NumberField
+          label="Load at this radius"
+          hint="in harbour, in the best posture"
+          value={load}
+          unit="t"
+          absent="as its type"
+          check={(value) => (value >= 10 && value <= 5000 * TONNE ? null : "must be 0.01 to 5000 t")}
+          onChange={setLoad}
+        />
         <p className="hint">
-          Geometrically similar to the ready design of this type: lengths in proportion, forces by their square, masses
-          by their cube. It replaces the crane on the bench; undo brings that back.
+          The ready design of this type in another size: lengths by the radius, cylinders, rope, winch and masses by the
+          load; without one, geometrically similar. Its rated loads are those of its chart. It replaces the crane on the
+          bench; undo brings that back.
         </p>
         <button type="button" className="wide primary" data-testid="create" onClick={create}>
           Create
@@ -60,11 +75,4 @@ export function NewDialog({ open, onClose }: { open: boolean; onClose: () => voi
 
 function furthest(crane: Crane): number {
   return Math.max(bounds(crane).high[0], 1);
-}
-
-/** The column and the boom of a crane alone. */
-function bare(crane: Crane): Crane {
-  let short = crane;
-  while (short.links.length > 2) short = withoutLink(short, short.links.length - 1)!;
-  return short;
 }

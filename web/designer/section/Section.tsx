@@ -44,10 +44,10 @@ export function Section() {
   const spare = useRef<ArrayBuffer>(undefined);
   const fittedTo = useRef("");
 
-  // All that the crane reaches, fitted anew only for another crane or another size of the drawing: it must not move while
+  // All that the crane reaches, fitted anew only for another crane, another number of links or another size of the drawing: it must not move while
   // something is dragged.
   useEffect(() => {
-    const to = `${crane.name} ${width} ${height} ${fits}`;
+    const to = `${crane.name} ${crane.links.length} ${width} ${height} ${fits}`;
     if (!width || !height || fittedTo.current === to) return;
     fittedTo.current = to;
     view.set({ fitted: framed(crane, width, height) });

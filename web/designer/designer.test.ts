@@ -50,6 +50,24 @@ describe("design files", () => {
     );
   });
 
+  it("hold no more than a crane has, and no text that cannot be printed", () => {
+    const data = JSON.parse(text(offshore));
+    data.links = Array(13).fill(data.links[0]);
+    data.rating.wave_heights = [1, -8];
+    data.name = "two\nlines";
+    data.about = "a bell \u0007";
+    data.cylinders[0].name = "\ud800";
+    expect(() => fromData(data)).toThrow(
+      /^name: must be one line of at most 100 characters\nabout: has a character that cannot be printed\nlinks: must be a list of 1 to 12\ncylinders\[\ud800\]\.name: has a character that cannot be printed\nrating.wave_heights\[1\]: must be above 0 m$/,
+    );
+    data.links = data.links.slice(0, 3);
+    data.rating.wave_heights = [1];
+    data.cylinders[0].name = "main";
+    data.name = "Kran № 5 – ÆØÅ 起重机";
+    data.about = "two\r\nlines\tare well";
+    expect(fromData(data).name).toBe(data.name);
+  });
+
   it.each([
     ["{", "is not JSON"],
     ["[]", "does not hold a crane"],

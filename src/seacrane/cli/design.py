@@ -220,7 +220,7 @@ def _export(options: argparse.Namespace) -> int:
     from seacrane.design import archive
 
     crane = load(options.design)
-    path = options.out or output(f"{crane.name}.zip")
+    path = options.out or output(f"{archive.file_names([crane.name])[crane.name]}.zip")
     archive.export(crane, path)
     print(f"{path}: {crane.name}, design SHA-256 {archive.provenance(crane)}")
     return 0

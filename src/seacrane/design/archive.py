@@ -8,8 +8,9 @@
     sheet.pdf                 data sheet
     provenance.json           by what it was written, from what: the hash of design.json
 
-The same design gives the same bytes. Reading takes a ZIP for what a stranger sent: bounded, and only the design is
-read; the rest is made again from it.
+A name that no file can have everywhere is written with - for what it cannot have. The same design gives the same
+bytes. Reading takes a ZIP for what a stranger sent: bounded, and only the design is read; the rest is made again from
+it.
 """
 
 from __future__ import annotations
@@ -18,8 +19,9 @@ import hashlib
 import io
 import json
 import os
+import re
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, Final
 
@@ -41,6 +43,12 @@ LARGEST: Final = 256 * 2**20
 
 _LARGEST_DESIGN = 16 * 2**20
 _MOST_ENTRIES = 1000
+_LARGEST_DIRECTORY = 2**20
+"""Of the list of files at the end of an archive [bytes], which is read whole before the files can be counted."""
+
+_DEVICE = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)([ .].*)?", re.IGNORECASE)
+"""Names that Windows keeps for itself."""
+
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 _Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 
@@ -67,6 +75,21 @@ def packed(crane: Crane) -> bytes:
     return content.getvalue()
 
 
+def file_names(names: Iterable[str]) -> dict[str, str]:
+    """For each name, what its files are called before the dot: no two alike, on any system, even without their case."""
+    found: dict[str, str] = {}
+    for name in names:
+        stem = re.sub(r"[^\w .+()-]", "-", name).strip(" .")[:80] or "-"
+        if _DEVICE.fullmatch(stem):
+            stem = f"-{stem}"
+        taken, number, plain = {other.casefold() for other in found.values()}, 1, stem
+        while stem.casefold() in taken:
+            number += 1
+            stem = f"{plain} {number}"
+        found[name] = stem
+    return found
+
+
 def load_archive(path: str | os.PathLike[str]) -> Crane:
     """The crane of an archive that `export`, or the page, has written. `DesignError` with the reason if it is none."""
     name = os.fspath(path)
@@ -80,11 +103,25 @@ def load_archive(path: str | os.PathLike[str]) -> Crane:
 
 def unpacked(content: bytes, name: str) -> Crane:
     """The crane in the bytes of an archive; `name` stands for it in errors. `DesignError` if none is."""
+    _bounded(content, name)
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             return loads(_design_in(archive, name), origin=f"{name}: {DESIGN}")
     except (zipfile.BadZipFile, EOFError, NotImplementedError, RuntimeError, ValueError) as failure:
         raise DesignError.at(name, f"is not a whole ZIP archive: {failure}") from None
+
+
+def _bounded(content: bytes, name: str) -> None:
+    """Refuse an archive by the record at its end, before its list of files is made into as many objects."""
+    mark = b"PK\x05\x06"
+    last = len(content) - 22 if content[-22:-18] == mark else -1  # without a comment behind it, or with one
+    for end in (last, content.rfind(mark, -(22 + 0xFFFF))):
+        if end < 0:
+            continue  # if there is none at all, that is said when the archive is opened
+        size = int.from_bytes(content[end + 12 : end + 16], "little")
+        large = content[max(0, end - 20) : end].startswith(b"PK\x06\x07")  # the record is in another, for 64 bits
+        if large or size > _LARGEST_DIRECTORY:
+            raise DesignError.at(name, "has too many files for a design", allowed=f"{_MOST_ENTRIES}")
 
 
 def _design_in(archive: zipfile.ZipFile, name: str) -> bytes:
@@ -110,16 +147,18 @@ def _files(crane: Crane) -> Iterator[tuple[str, bytes]]:
     whole = standard.furnished(crane)
     shapes = {link.name: joined([mesh(part) for part in link.parts]) for link in whole.links}
     rows = [row for mode in chart.modes(crane) for row in chart.curve(crane, mode)]
-    stl = {link: f"meshes/{link}.stl" for link in shapes}
+    stems = file_names(shapes)
+    stl = {link: f"meshes/{stem}.stl" for link, stem in stems.items()}
+    stem = file_names([crane.name])[crane.name]
     yield DESIGN, text.encode()
     for link, shape in shapes.items():
-        yield f"meshes/{link}.glb", gltf(shape, link)
+        yield f"meshes/{stems[link]}.glb", gltf(shape, link)
         yield stl[link], stereolithography(shape)
     yield "mass_properties.json", _json(_masses(whole))
     yield "load_chart.csv", chart.to_csv(rows).encode()
     yield "load_chart.json", _json({"notice": NOTICE, "rows": [_row(row) for row in rows]})
-    yield f"{crane.name}.xml", robot.mjcf(crane, stl).encode()
-    yield f"{crane.name}.urdf", robot.urdf(crane, stl).encode()
+    yield f"{stem}.xml", robot.mjcf(crane, stl).encode()
+    yield f"{stem}.urdf", robot.urdf(crane, stl).encode()
     yield "sheet.pdf", sheet(crane, provenance(crane))
     yield (
         "provenance.json",

@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 from seacrane.design.crane import Crane, Cylinder
 from seacrane.design.geometry import retracted_length
-from seacrane.design.planar import Array, Plane, Postures, grid, plane_joints
+from seacrane.design.planar import Array, Plane, Postures, evenly, grid, plane_joints
 from seacrane.errors import DesignError
 from seacrane.units import GRAVITY
 
@@ -163,7 +163,7 @@ def curve(crane: Crane, mode: Mode = HARBOUR, *, radii: Sequence[float] | None =
     moment, which is exact where a moment governs and changes it by less than the width over the radius elsewhere.
     """
     joints = len(plane_joints(crane))
-    postures = grid(crane, count or COUNTS.get(joints, 16))
+    postures = grid(crane, count or evenly(joints, COUNTS, _MOST_POSTURES))
     found = capacity(crane, postures, mode)
     reach = found.radius.ravel()
     wanted = _whole(reach) if radii is None else np.asarray(radii, float)
@@ -191,6 +191,9 @@ def to_csv(rows: Sequence[Row]) -> str:
 
 COUNTS = {1: 2000, 2: 256, 3: 40, 4: 16}
 """Postures per joint of a curve, by the number of joints in the plane."""
+
+_MOST_POSTURES = 65536
+"""Postures of a curve in all, of a crane with more joints."""
 
 
 def _whole(reach: Array) -> Array:

@@ -15,7 +15,7 @@ from typing import Annotated, Final, Literal, NoReturn
 
 from msgspec import Meta, Struct, field
 
-from seacrane.design.parts import Part
+from seacrane.design.parts import Name, Part
 from seacrane.units import (
     Angle,
     AngularSpeed,
@@ -47,7 +47,7 @@ Limits = tuple[Angle, Angle]
 class Joint(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How a link moves against the link before it."""
 
-    name: Annotated[str, Meta(min_length=1, description="name of the coordinate, such as luff")]
+    name: Annotated[Name, Meta(description="name of the coordinate, such as luff")]
     kind: Annotated[Literal["revolute", "prismatic"], Meta(description="turns about, or slides along, its axis")]
     axis: Annotated[Direction, Meta(description="axis in the frame of the link before; any length but zero")]
     origin: Annotated[Point, Meta(description="origin of this link's frame in the frame of the link before")]
@@ -57,7 +57,7 @@ class Joint(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class Link(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A rigid body of the chain, carried by its joint."""
 
-    name: Annotated[str, Meta(min_length=1)]
+    name: Name
     joint: Joint
     mass: Annotated[Mass, Meta(gt=0, description="mass with all that is fixed to it")]
     com: Annotated[Point, Meta(description="centre of mass in the link's frame")]
@@ -79,7 +79,7 @@ class Attachment(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class Cylinder(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """One or more equal double-acting cylinders side by side between two links."""
 
-    name: Annotated[str, Meta(min_length=1)]
+    name: Name
     moves: Annotated[str, Meta(description="name of the joint it moves")]
     count: Annotated[int, Meta(ge=1, le=16, description="number of cylinders side by side")] = 1
     bore: Annotated[Diameter, Meta(gt=0, description="piston diameter")]
@@ -149,7 +149,8 @@ class Rating(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         Ratio, Meta(ge=1, le=3, description="dynamic factor in harbour, and the least at sea")
     ] = 1.0
     wave_heights: Annotated[
-        tuple[Length, ...], Meta(description="significant wave heights Hs with a curve of their own")
+        tuple[Annotated[Length, Meta(gt=0, le=20, description="significant wave height")], ...],
+        Meta(max_length=12, description="significant wave heights Hs with a curve of their own"),
     ] = (1.0, 1.5, 2.0, 2.5)
     tip_speed_per_height: Annotated[
         Frequency, Meta(ge=0, description="vertical speed of the tip per metre of Hs, from the ship's motion")
@@ -179,9 +180,11 @@ class Crane(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A crane: everything that its model, its load chart and its picture are made from."""
 
     format: Annotated[Literal["seacrane-crane/1"], Meta(description="version of the design file")] = FORMAT
-    name: Annotated[str, Meta(min_length=1)]
+    name: Name
     about: Annotated[str, Meta(min_length=1, description="what it is, in a sentence or two")]
-    links: Annotated[tuple[Link, ...], Meta(min_length=1, description="the chain, from the foot to the tip")]
+    links: Annotated[
+        tuple[Link, ...], Meta(min_length=1, max_length=12, description="the chain, from the foot to the tip")
+    ]
     cylinders: tuple[Cylinder, ...]
     hoist: Hoist
     slew: Annotated[Slew | None, Meta(description="absent if the crane does not slew")] = None

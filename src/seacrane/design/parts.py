@@ -15,6 +15,9 @@ from seacrane.units import Density, Diameter, Length
 STEEL: Final = 7850.0
 """Density of structural steel [kg/m3]."""
 
+Name = Annotated[str, Meta(min_length=1, max_length=100)]
+"""What something is called: one line."""
+
 Place = tuple[Length, Length, Length]
 
 
@@ -28,7 +31,7 @@ class Station(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class _Part(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind"):
-    name: Annotated[str, Meta(min_length=1)]
+    name: Name
     density: Annotated[Density, Meta(gt=0)] = STEEL
 
 

@@ -93,6 +93,11 @@ def grid(crane: Crane, count: int | Sequence[int]) -> dict[str, Array]:
     return postures
 
 
+def evenly(joints: int, usual: Mapping[int, int], most: int) -> int:
+    """How many coordinates to take of each of so many joints: the usual number, or so many that all are `most`."""
+    return usual.get(joints) or max(2, int(most ** (1 / joints)))
+
+
 class Plane:
     """The frames of a crane's links for a set of postures, and the derivatives of points by the joints.
 

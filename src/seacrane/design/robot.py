@@ -31,7 +31,9 @@ def mjcf(crane: Crane, meshes: Mapping[str, str] | None = None) -> str:
     _sites(world, crane, FOOT)
     parent = world
     for link in crane.links:
-        parent = ElementTree.SubElement(parent, "body", name=link.name, pos=_numbers(link.joint.origin))
+        # MuJoCo has a body `world` of its own, which the foot is fixed to.
+        name = f"{link.name} link" if link.name == "world" else link.name
+        parent = ElementTree.SubElement(parent, "body", name=name, pos=_numbers(link.joint.origin))
         kind = "hinge" if link.joint.kind == "revolute" else "slide"
         joint = ElementTree.SubElement(
             parent, "joint", name=link.joint.name, type=kind, axis=_numbers(_unit(link.joint))

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from typing import Final
 
 import numpy as np
@@ -20,6 +21,9 @@ from seacrane.design.mesh import decoded, open_edges
 from seacrane.design.walk import UNREAD, Tree, Walk, build, label, plain
 from seacrane.errors import Problem, nearest
 from seacrane.units import deg
+
+_FARTHEST: Final = 1000.0
+"""A chain of links longer than this [m] is no crane."""
 
 _SHORTEST_AXIS: Final = 1e-6
 """An axis shorter than this, or longer than its inverse, is a mistake rather than a direction."""
@@ -86,9 +90,12 @@ def _duplicates(tree: Tree) -> list[Problem]:
             ("links", "joints", joints),
             ("cylinders", "cylinders", cylinders),
         )
-        for name in sorted(set(names))
-        if names.count(name) > 1
+        for name in _twice(names)
     ]
+
+
+def _twice(names: Iterable[str]) -> list[str]:
+    return sorted(name for name, count in Counter(names).items() if count > 1)
 
 
 def _strangers(tree: Tree) -> list[Problem]:
@@ -137,6 +144,7 @@ def _axes(tree: Tree) -> list[Problem]:
 
 def _parts(tree: Tree) -> list[Problem]:
     problems: list[Problem] = []
+    moved: list[str] = []
     for path, link in _named(tree, "links"):
         problems += _inertia(f"{path}.inertia", link.get("inertia"))
         problems += _joint(f"{path}.joint", link.get("joint", {}))
@@ -148,7 +156,18 @@ def _parts(tree: Tree) -> list[Problem]:
                     f"{path}.rod", "must be thinner than the bore", cylinder["rod"], f"below {cylinder['bore']:g} m"
                 )
             )
-        problems += _between(tree, path, cylinder)
+        misplaced = _between(tree, path, cylinder)
+        problems += misplaced
+        if not misplaced and "moves" in cylinder:
+            moved.append(cylinder["moves"])
+    problems += [
+        # How two sets would share the moment of one joint is not statically determined.
+        Problem("cylinders", f"{joint!r} is moved by two sets", hint="Cylinders side by side are one, with a `count`.")
+        for joint in _twice(moved)
+    ]
+    problems += _reach(tree)
+    for name in _twice(f"hs{height:.1f}" for height in (tree.get("rating") or {}).get("wave_heights") or ()):
+        problems.append(Problem("rating.wave_heights", f"two of them are the mode {name!r}"))
     sheaves = tree.get("hoist", {}).get("sheaves") or [{}]
     links, _ = _names(tree)
     if links and sheaves[-1].get("link", links[-1]) in links[:-1]:
@@ -195,8 +214,7 @@ def _joint(path: str, joint: Tree) -> list[Problem]:
 
 def _shapes(path: str, link: Tree) -> Iterator[Problem]:
     """Parts that cannot be built as they are drawn: plates thicker than the part, eyes wider than their plate."""
-    names = [part.get("name") for _, part in _named(link, "parts")]
-    for name in sorted({str(n) for n in names if n is not None and names.count(n) > 1}):
+    for name in _twice(part["name"] for _, part in _named(link, "parts") if "name" in part):
         yield Problem(f"{path}.parts", f"{name!r} is the name of two parts")
     for at, part in _named(link, "parts"):
         for field, most, what in _bounds_of(part):
@@ -259,7 +277,10 @@ def _bounds_of(part: Tree) -> Iterator[tuple[str, float, str]]:
 
 
 def _between(tree: Tree, path: str, cylinder: Tree) -> list[Problem]:
-    """A cylinder turns the joint it moves only if that joint lies between its two pins."""
+    """A cylinder moves one joint: the only one between its two pins.
+
+    Over several joints its length would depend on all of them, and so would what it bears of each.
+    """
     chain = [(link.get("name"), link.get("joint", {}).get("name")) for _, link in _named(tree, "links")]
     place = {FOOT: -1} | {name: i for i, (name, _) in enumerate(chain)}
     base, eye = (place.get(cylinder.get(end, {}).get("link")) for end in ("base", "eye"))
@@ -267,8 +288,18 @@ def _between(tree: Tree, path: str, cylinder: Tree) -> list[Problem]:
     if moved is None or base is None or eye is None:
         return []
     spanned = [joint for _, joint in chain[min(base, eye) + 1 : max(base, eye) + 1]]
-    if chain[moved][1] in spanned:
+    if spanned == [chain[moved][1]]:
         return []
+    if chain[moved][1] in spanned:
+        across = ", ".join(map(str, spanned))
+        return [
+            Problem(
+                path,
+                f"has more than one joint between its pins: {across}",
+                allowed=f"only {cylinder['moves']}",
+                hint="Put both pins on the links that this joint connects.",
+            )
+        ]
     return [
         Problem(
             f"{path}.moves",
@@ -277,6 +308,19 @@ def _between(tree: Tree, path: str, cylinder: Tree) -> list[Problem]:
             allowed=", ".join(map(str, spanned)) or "none: both pins are on one link",
         )
     ]
+
+
+def _reach(tree: Tree) -> list[Problem]:
+    """The chain stretched out, with every slide at its farther end."""
+    joints = [link.get("joint", {}) for _, link in _named(tree, "links")]
+    length = sum(math.hypot(*joint.get("origin", ())) for joint in joints)
+    slides = (joint.get("limits") for joint in joints if joint.get("kind") == "prismatic")
+    length += sum(max(map(abs, limits)) for limits in slides if limits)
+    tip = (tree.get("hoist", {}).get("sheaves") or [{}])[-1]
+    length += math.hypot(tip.get("x", 0.0), tip.get("z", 0.0))
+    if length <= _FARTHEST:
+        return []
+    return [Problem("links", "are longer together than any crane", f"{length:.4g} m", f"at most {_FARTHEST:g} m")]
 
 
 def _strokes(crane: Crane) -> list[Problem]:

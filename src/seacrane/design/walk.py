@@ -8,6 +8,7 @@ from __future__ import annotations
 import functools
 import math
 import operator
+import re
 import types
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Final, Literal, Union, get_args, get_origin, get_type_hints
@@ -16,10 +17,19 @@ import msgspec
 
 from seacrane.design.crane import Joint
 from seacrane.errors import Problem, UnitError, nearest
-from seacrane.units import UNITS, Length, Quantity, compatible, in_unit, labelled, parse
+from seacrane.units import UNITS, Length, Quantity, compatible, in_unit, labelled, parse, with_unit
 
 _KIND: Final = "kind"
 """The field that says which of several records one is."""
+
+MOST_ITEMS: Final = 1000
+"""Longest list, unless its field says otherwise."""
+
+_BEYOND: Final = 1e15
+"""No number of a crane in SI is as large."""
+
+_NO_TEXT: Final = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
+"""Characters that are not for reading, and that XML cannot hold."""
 
 UNREAD: Final = object()
 """Stands for what could not be read."""
@@ -146,7 +156,7 @@ class Walk:
         if not isinstance(raw, Mapping):
             return self.unread(path, f"must be an object with a {_KIND!r}", value=raw, allowed=", ".join(kinds))
         tag = raw.get(_KIND)
-        if tag not in kinds:
+        if not isinstance(tag, str) or tag not in kinds:
             what = "is missing" if tag is None else "is none of the known values"
             hint = nearest(tag, kinds) if isinstance(tag, str) else None
             return self.unread(_join(path, _KIND), what, value=tag, allowed=", ".join(kinds), hint=hint)
@@ -160,8 +170,11 @@ class Walk:
         if inner[-1] is not Ellipsis and len(raw) != len(inner):
             return self.unread(path, f"must have {len(inner)} entries", value=list(raw))
         least = next((e.min_length for e in extras if isinstance(e, msgspec.Meta) and e.min_length), 0)
+        most = next((e.max_length for e in extras if isinstance(e, msgspec.Meta) and e.max_length), MOST_ITEMS)
         if len(raw) < least:
             return self.unread(path, f"must have at least {least} entry")
+        if len(raw) > most:
+            return self.unread(path, f"must have at most {most} entries", value=len(raw))
         values = [self.value(item, inner[0], f"{path}[{label(item, i)}]") for i, item in enumerate(raw)]
         fixed = inner[-1] is not Ellipsis
         return UNREAD if fixed and UNREAD in values else [v for v in values if v is not UNREAD]
@@ -171,6 +184,11 @@ class Walk:
             return self.unread(path, "must be a text", value=raw)
         if any(isinstance(e, msgspec.Meta) and e.min_length for e in extras) and not raw.strip():
             return self.unread(path, "must not be empty")
+        most = next((e.max_length for e in extras if isinstance(e, msgspec.Meta) and e.max_length), None)
+        if most is not None and (len(raw) > most or any(c in raw for c in "\r\n\t")):
+            return self.unread(path, f"must be one line of at most {most} characters", value=raw[:24])
+        if strange := _NO_TEXT.search(raw):
+            return self.unread(path, "has a character that cannot be printed", value=f"U+{ord(strange[0]):04X}")
         return raw
 
     def number(self, raw: Any, kind: type, extras: list[Any], path: str) -> Any:
@@ -193,8 +211,12 @@ class Walk:
             return self.unread(path, "must be a finite number", value=f"{raw}"[:24])
         self.bounds(value, raw, extras, path)
         question = quantity.slip(value)
+        beyond = quantity.plausible[1] if quantity.plausible else _BEYOND
         if question is not None:
             self.problems.append(Problem(path, "is implausible", value=raw, hint=question))
+        elif abs(value) > beyond:
+            allowed = f"at most {with_unit(beyond, quantity.unit)}"
+            self.problems.append(Problem(path, "is beyond any crane", value=raw, allowed=allowed))
         return int(value) if kind is int else value
 
     def refused(self, problem: Problem, raw: str, quantity: Quantity, extras: list[Any]) -> object:
@@ -221,9 +243,9 @@ def _join(path: str, name: str) -> str:
 
 
 def label(item: Any, index: int) -> str:
-    """How an entry of a list is called in a path: by its name if it has one."""
+    """How an entry of a list is called in a path: by its name if it has one that can be read."""
     name = item.get("name") if isinstance(item, Mapping) else None
-    return name if isinstance(name, str) and name else str(index)
+    return name if isinstance(name, str) and name and not _NO_TEXT.search(name) else str(index)
 
 
 def _about(annotation: Any) -> str:

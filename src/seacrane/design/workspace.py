@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from seacrane.design.chart import HARBOUR, Mode, capacity
 from seacrane.design.crane import Crane, Joint
-from seacrane.design.planar import Array, Plane, grid, plane_joints
+from seacrane.design.planar import Array, Plane, evenly, grid, plane_joints
 from seacrane.errors import DesignError
 
 _BEFORE = 121
@@ -26,6 +26,9 @@ _BEFORE = 121
 
 _BEFORE_LOADS = 31
 """The same for loads, which vary slowly with them."""
+
+_MOST_BEFORE = 441
+"""The same of several such joints together."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +71,7 @@ def slewing_range(crane: Crane) -> float:
 def extent(crane: Crane) -> tuple[float, float, float, float]:
     """Least and largest x and z [m] of the tip in the plane of the crane, to about a centimetre."""
     joints = len(plane_joints(crane))
-    x, z = Plane(crane, grid(crane, {1: 2000, 2: 400, 3: 60}.get(joints, 24))).tip()
+    x, z = Plane(crane, grid(crane, evenly(joints, {1: 2000, 2: 400, 3: 60}, 400_000))).tip()
     return float(x.min()), float(x.max()), float(z.min()), float(z.max())
 
 
@@ -110,7 +113,8 @@ def _solutions(
     crane: Crane, joints: tuple[Joint, ...], x: Array, z: Array, tried: int
 ) -> Iterator[tuple[dict[str, Array], NDArray[np.bool_]]]:
     """All postures for the points, of `tried` coordinates of each joint before the last two, and where they hold."""
-    before = [np.linspace(*(joint.limits or (0.0, 0.0)), tried) for joint in joints[:-2]]
+    count = evenly(len(joints) - 2, {1: tried}, _MOST_BEFORE) if len(joints) > 2 else 0
+    before = [np.linspace(*(joint.limits or (0.0, 0.0)), count) for joint in joints[:-2]]
     for values in itertools.product(*before):
         fixed = {joint.name: np.asarray(q) for joint, q in zip(joints, values, strict=False)}
         for posture, within in _reached(crane, joints, fixed, x, z):

@@ -80,6 +80,11 @@ def draw_load_section(
     axes.set_aspect("equal")
 
 
+def _literal(text: str) -> str:
+    """A text for matplotlib to draw as it stands, which takes what is between two $ for a formula."""
+    return text.replace("$", r"\$")
+
+
 def _disclaim(axes: Axes) -> None:
     axes.text(1.0, 1.01, NOT_CERTIFIED, transform=axes.transAxes, ha="right", fontsize="x-small")
 
@@ -89,7 +94,7 @@ def _figure(title: str) -> tuple[Figure, Axes]:
 
     figure = Figure(figsize=(8.0, 6.0), layout="constrained")
     if title:
-        figure.suptitle(title)
+        figure.suptitle(_literal(title))
     return figure, figure.subplots()
 
 
@@ -107,11 +112,11 @@ def data_sheet(
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
     figure = Figure(figsize=(11.69, 8.27), layout=ConstrainedLayoutEngine(rect=(0.0, 0.03, 1.0, 0.97)))
-    figure.suptitle(f"{name}   data sheet", fontsize="x-large", x=0.02, ha="left", weight="bold")
+    figure.suptitle(f"{_literal(name)}   data sheet", fontsize="x-large", x=0.02, ha="left", weight="bold")
     grid = figure.add_gridspec(3, 2, height_ratios=(0.16, 1, 1))
     head = figure.add_subplot(grid[0, :])
     head.axis("off")
-    head.text(0.0, 0.9, about, transform=head.transAxes, va="top", fontsize="small", wrap=True)
+    head.text(0.0, 0.9, _literal(about), transform=head.transAxes, va="top", fontsize="small", wrap=True)
     side = figure.add_subplot(grid[1, 0])
     for x, z in drawing:
         side.plot(x, z, color="black", linewidth=0.5)
@@ -124,8 +129,8 @@ def data_sheet(
     table.axis("off")
     for row, (what, value) in enumerate(facts):
         y = 1.0 - row / max(len(facts), 1)
-        table.text(0.0, y, what, transform=table.transAxes, va="top", fontsize="small")
-        table.text(0.5, y, value, transform=table.transAxes, va="top", fontsize="small")
+        table.text(0.0, y, _literal(what), transform=table.transAxes, va="top", fontsize="small")
+        table.text(0.5, y, _literal(value), transform=table.transAxes, va="top", fontsize="small")
     figure.text(0.02, 0.003, f"{NOT_CERTIFIED} {provenance}", fontsize="x-small")
     content = io.BytesIO()
     figure.savefig(content, format="pdf", metadata={"CreationDate": None})

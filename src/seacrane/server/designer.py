@@ -348,18 +348,18 @@ def _told(answer: Any) -> Any:
 
 
 async def _body(request: Request, most: int) -> bytes:
-    content = b""
+    content = bytearray()
     async for chunk in request.stream():
         content += chunk
         if len(content) > most:
             raise DesignError.at("request", f"is larger than {most // 2**20} MiB")
-    return content
+    return bytes(content)
 
 
 def _object(content: bytes) -> dict[str, Any]:
     try:
         value = json.loads(content)
-    except ValueError:
+    except (ValueError, RecursionError):
         value = None
     if not isinstance(value, dict):
         raise DesignError.at("request", "must be a JSON object with design, posture and load")

@@ -7,8 +7,9 @@ import hashlib
 import io
 import json
 import math
+import tracemalloc
 import zipfile
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 
 import mujoco
 import numpy as np
@@ -128,8 +129,9 @@ def _zip(path: Path, files: dict[str, bytes]) -> Path:
         ({"design.json": b" " * (17 * 2**20)}, "is larger than 16 MiB"),
         ({f"{i}": b"" for i in range(1001)}, "has too many files for a design"),
         ({"../design.json": b"{}"}, "is not in the archive"),
+        ({f"{i:0200}": b"" for i in range(5000)}, "has too many files for a design"),
     ],
-    ids=["no design", "no crane", "no JSON", "a bomb", "many files", "out of the folder"],
+    ids=["no design", "no crane", "no JSON", "a bomb", "many files", "out of the folder", "a long list of files"],
 )
 def test_a_hostile_archive_is_refused_with_the_reason(files: dict[str, bytes], message: str, tmp_path: Path) -> None:
     path = _zip(tmp_path / "bad.zip", files)
@@ -137,6 +139,50 @@ def test_a_hostile_archive_is_refused_with_the_reason(files: dict[str, bytes], m
     with pytest.raises(DesignError, match=message):
         archive.load_archive(path)
     assert set(tmp_path.iterdir()) == before
+
+
+def test_a_long_list_of_files_is_refused_before_it_is_read(tmp_path: Path) -> None:
+    """A list of 60 MB with a quarter of a million files, and one that a record for 64 bits leads to."""
+    listed = _zip(tmp_path / "one.zip", {"design.json": b"{}"}).read_bytes()
+    head, end = listed[: listed.index(b"PK\x01\x02")], listed.index(b"PK\x05\x06")
+    entry = listed[len(head) : end]
+    many = entry * (60 * 2**20 // len(entry))
+    long = head + many + listed[end : end + 12] + len(many).to_bytes(4, "little") + listed[end + 16 :]
+    with zipfile.ZipFile(io.BytesIO(long[: len(head)] + entry + listed[end:])) as sound:
+        assert sound.namelist() == ["design.json"]
+    tracemalloc.start()
+    with pytest.raises(DesignError, match="has too many files for a design"):
+        archive.unpacked(long, "long.zip")
+    assert tracemalloc.get_traced_memory()[1] < 2**20
+    tracemalloc.stop()
+    behind = listed[:end] + b"PK\x06\x07" + bytes(16) + listed[end:]
+    with pytest.raises(DesignError, match="has too many files for a design"):
+        archive.unpacked(behind, "behind.zip")
+
+
+@pytest.mark.parametrize("name", ["../../up", "con", "<&a\\b:c*?> № 5 $\\frac$"])
+def test_names_of_a_design_lead_out_of_no_folder_and_break_no_file(name: str) -> None:
+    crane = design.load("a-frame-30t")
+    data = json.loads(design.to_json(crane).replace('"crossbeam"', json.dumps(f"{name}/x")))
+    data |= {"name": name, "about": "$\\frac{1}{$ a piece"}
+    data["links"][0]["name"] = f"{name}/X"
+    renamed = design.loads(json.dumps(data).replace('"frame"', json.dumps(f"{name}/X")))
+    with zipfile.ZipFile(io.BytesIO(archive.packed(renamed))) as files:
+        names = files.namelist()
+        for path in names:
+            inside = PureWindowsPath(path)
+            assert not inside.is_absolute()
+            assert not inside.drive
+            assert ".." not in inside.parts
+            assert not inside.is_reserved()
+            assert not set(path) & set('\\:*?"<>|')
+        assert len({path.casefold() for path in names}) == len(names)
+        assets = {path: files.read(path) for path in names if path.endswith(".stl")}
+        model = mujoco.MjModel.from_xml_string(
+            files.read(next(path for path in names if path.endswith(".xml"))).decode(), assets
+        )
+    assert model.nmesh == 2
+    assert model.body(f"{name}/x").mass == pytest.approx(crane.links[1].mass)
 
 
 def test_a_damaged_archive_is_refused_with_the_reason(exported: Path, tmp_path: Path) -> None:

@@ -254,6 +254,47 @@ def test_a_cylinder_must_straddle_the_joint_it_moves_and_the_joint_must_end(data
     assert "cannot move an endless joint" in problems(data)[0]
 
 
+def test_a_cylinder_moves_one_joint_and_a_joint_has_one_set(data):
+    jib = data["cylinders"][1]
+    data["cylinders"].append(jib | {"name": "another"})
+    (problem,) = problems(data)
+    assert problem == "cylinders: 'jib' is moved by two sets. Cylinders side by side are one, with a `count`."
+    data["cylinders"].pop()
+    jib["base"]["link"] = "column"
+    (problem,) = problems(data)
+    assert "cylinders[jib_cylinder]: has more than one joint between its pins: luff, jib; allowed: only jib" in problem
+
+
+def test_a_design_has_no_more_and_nothing_larger_than_a_crane(data):
+    data["rating"]["wave_heights"] = [1.0, 1.04, -8, 30]
+    data["links"][1]["mass"] = 1e30
+    data["links"][1]["parts"] = [{"kind": ["box"], "name": "odd"}]
+    data["hoist"]["sheaves"][1]["x"] = 2000
+    data["sources"] *= 200
+    data["name"] = "two\nlines"
+    data["about"] = "a bell \x07"
+    data["cylinders"][0]["name"] = "\ud800"
+    assert [problem.split("; allowed")[0] for problem in problems(data)] == [
+        "name: must be one line of at most 100 characters (got 'two\\nlines')",
+        "about: has a character that cannot be printed (got 'U+0007')",
+        "links[boom].mass: is beyond any crane (got 1e+30)",
+        "links[boom].parts[odd].kind: is none of the known values (got ['box'])",
+        "cylinders[0].name: has a character that cannot be printed (got 'U+D800')",
+        "rating.wave_heights[2]: must be above 0: significant wave height [m] (got -8)",
+        "rating.wave_heights[3]: must be at most 20: significant wave height [m] (got 30)",
+        "sources: must have at most 1000 entries (got 2200)",
+        "links: are longer together than any crane (got '2022 m')",
+        "rating.wave_heights: two of them are the mode 'hs1.0'",
+    ]
+
+
+def test_a_chain_of_thousands_of_links_or_parts_is_refused_at_once(data):
+    whole = json.dumps(data["links"][1])
+    for count, what in ((13, "must have at most 12 entries (got 13)"), (5000, "(got 5000)")):
+        data["links"] = [json.loads(whole) for _ in range(count)]
+        assert what in next(problem for problem in problems(data) if problem.startswith("links:"))
+
+
 def test_an_axis_needs_a_direction_and_a_point_three_numbers(data):
     data["links"][1]["joint"]["axis"] = [0, 0, 0]
     data["links"][2]["com"] = ["6 m", "0 m"]

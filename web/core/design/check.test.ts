@@ -23,6 +23,17 @@ describe("problems of a crane", () => {
     );
   });
 
+  it("name a cylinder over two joints, and two sets on one joint", () => {
+    const [main, jib] = crane.cylinders;
+    const over = { ...jib, base: { ...jib.base, link: "column" } };
+    expect(problems({ ...crane, cylinders: [main, over] })).toEqual([
+      { path: "cylinders[jib_cylinder].moves", message: "more than one joint lies between its pins: luff, jib" },
+    ]);
+    expect(problems({ ...crane, cylinders: [main, { ...main, name: "another" }, jib] })).toEqual([
+      { path: "cylinders", message: "luff is moved by two sets; cylinders side by side are one set" },
+    ]);
+  });
+
   it("name reversed limits once, and nothing that follows from them", () => {
     const links = crane.links.map((link) =>
       link.name === "jib" ? { ...link, joint: { ...link.joint, limits: [0, -2] as const } } : link,

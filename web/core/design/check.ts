@@ -23,6 +23,9 @@ export function problems(crane: Crane): Problem[] {
       });
     if (!(mass > 0)) found.push({ path: `${at}.mass`, message: "must be above 0 t" });
   }
+  const movers = crane.cylinders.map(({ moves }) => moves);
+  for (const joint of new Set(movers.filter((joint, i) => movers.indexOf(joint) < i)))
+    found.push({ path: "cylinders", message: `${joint} is moved by two sets; cylinders side by side are one set` });
   for (const cylinder of crane.cylinders) {
     const at = `cylinders[${cylinder.name}]`;
     const say = (field: string, message: string) => found.push({ path: `${at}.${field}`, message });
@@ -39,6 +42,11 @@ export function problems(crane: Crane): Problem[] {
     }
     if (moved <= Math.min(base, eye) || moved > Math.max(base, eye)) {
       say("moves", `the pins are not on both sides of ${cylinder.moves}`);
+      continue;
+    }
+    if (Math.abs(base - eye) > 1) {
+      const between = crane.links.slice(Math.min(base, eye) + 1, Math.max(base, eye) + 1);
+      say("moves", `more than one joint lies between its pins: ${between.map(({ joint }) => joint.name).join(", ")}`);
       continue;
     }
     const limits = crane.links[moved].joint.limits;

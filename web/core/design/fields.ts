@@ -48,6 +48,9 @@ export interface ListField extends About {
   readonly kind: "list";
   readonly of: ShapeName | UnitSymbol;
   readonly least?: number;
+  readonly most?: number;
+  /** Bounds of the items, if they are quantities [SI]. */
+  readonly each?: Pick<QuantityField, "above" | "most">;
   /** What an absent list stands for [SI]. */
   readonly usual?: readonly number[];
 }
@@ -126,7 +129,7 @@ const shapes: Readonly<Record<Exclude<ShapeName, "part">, Shape>> = {
     format: text("Format"),
     name: text("Name"),
     about: text("About", { long: true }),
-    links: list("link", "Links", { optional: false, least: 1 }),
+    links: list("link", "Links", { optional: false, least: 1, most: 12 }),
     cylinders: list("cylinder", "Cylinders", { optional: false }),
     hoist: shape("hoist", "Hoist"),
     slew: shape("slew", "Slewing", { optional: true }),
@@ -203,7 +206,7 @@ const shapes: Readonly<Record<Exclude<ShapeName, "part">, Shape>> = {
   slew: { joint: text("Joint", { names: "joints" }), speed: size("rpm", "Speed") },
   rating: {
     harbour_factor: q("1", "Dynamic factor in harbour", { least: 1, most: 3, optional: true, absent: "1" }),
-    wave_heights: list("m", "Sea states Hs", { usual: WAVE_HEIGHTS }),
+    wave_heights: list("m", "Sea states Hs", { usual: WAVE_HEIGHTS, most: 12, each: { above: 0, most: 20 } }),
     tip_speed_per_height: q("1/s", "Tip speed per Hs", {
       least: 0,
       optional: true,
@@ -302,7 +305,11 @@ export function unitOf(name: string, field: QuantityField | VectorField, owner: 
 }
 
 /** Why a value is out of the bounds of its field, in words; null if it is not. */
-export function bound(field: QuantityField, value: number, shown: (value: number) => string): string | null {
+export function bound(
+  field: Omit<QuantityField, keyof About | "kind" | "unit">,
+  value: number,
+  shown: (value: number) => string,
+): string | null {
   if (!Number.isFinite(value)) return "must be a finite number";
   if (field.whole && !Number.isInteger(value)) return "must be a whole number";
   if (field.above !== undefined && value <= field.above) return `must be above ${shown(field.above)}`;

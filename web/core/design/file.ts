@@ -13,6 +13,9 @@ export class DesignFileError extends Error {
 
 const LARGEST = 16 * 2 ** 20;
 const MOST_ITEMS = 1000;
+const LONGEST_NAME = 100;
+/** Characters that are not for reading, and that XML cannot hold. */
+const NO_TEXT = /[\p{Cc}\p{Cs}\ufffe\uffff]/u;
 
 /** The crane of a design file's text. `DesignFileError` if it is none. */
 export function read(text: string): Crane {
@@ -80,7 +83,7 @@ function one(key: string, field: Field, value: unknown, owner: unknown, path: st
       if (typeof value !== "string" || !value) say("must be a text");
       else if (field.choices && !field.choices.includes(value)) say(`must be one of ${field.choices.join(", ")}`);
       else {
-        const wrong = field.check?.(value);
+        const wrong = unreadable(value, key === "name") ?? field.check?.(value);
         if (wrong) say(wrong);
       }
       return value;
@@ -100,16 +103,29 @@ function one(key: string, field: Field, value: unknown, owner: unknown, path: st
     case "shape":
       return shape(field.shape, value, path, problems);
     case "list":
-      if (!Array.isArray(value) || value.length < (field.least ?? 0) || value.length > MOST_ITEMS) {
-        say(`must be a list of ${field.least ?? 0} to ${MOST_ITEMS}`);
+      if (!Array.isArray(value) || value.length < (field.least ?? 0) || value.length > (field.most ?? MOST_ITEMS)) {
+        say(`must be a list of ${field.least ?? 0} to ${field.most ?? MOST_ITEMS}`);
         return value;
       }
       return value.map((item, i) => {
         const label = isObject(item) && typeof item.name === "string" ? item.name : i;
         const at = `${path}[${label}]`;
-        return ofShapes(field.of) ? shape(field.of, item, at, problems) : quantity(item, field.of, at, problems);
+        if (ofShapes(field.of)) return shape(field.of, item, at, problems);
+        const unit = field.of;
+        const number = quantity(item, unit, at, problems);
+        const wrong =
+          number === null ? null : bound(field.each ?? {}, number, (limit) => `${written(limit, unit)} ${unit}`);
+        if (wrong) problems.push({ path: at, message: wrong });
+        return number;
       });
   }
+}
+
+/** Why a text cannot stand in a design, in words; null if it can. A name is one line. */
+function unreadable(value: string, name: boolean): string | null {
+  if (name && (value.length > LONGEST_NAME || /[\r\n\t]/.test(value)))
+    return `must be one line of at most ${LONGEST_NAME} characters`;
+  return NO_TEXT.test(value.replaceAll(/[\r\n\t]/g, "")) ? "has a character that cannot be printed" : null;
 }
 
 /** A number is in SI; a text has its unit. */

@@ -51,4 +51,21 @@ describe("problems of a crane", () => {
     const both = { base: { ...base, x: heel[0] + 1, z: heel[2] }, eye: { ...eye, x: 1, z: 0 } };
     expect(problems(withCylinder({ ...both, stroke: 20 }))[0].message).toContain("coincide");
   });
+
+  it("name a cylinder that passes its dead point, or has no lever at all", () => {
+    const { base, eye } = crane.cylinders[0];
+    const heel = crane.links[1].joint.origin;
+    // in line with the joint when the boom stands at 45 degrees
+    const ahead = { ...base, x: heel[0] + 3, z: heel[2] + 3 };
+    const still = { ...eye, x: 0, z: 0 };
+    for (const pins of [{ base: ahead }, { eye: still }]) {
+      const found = problems(withCylinder({ ...pins, stroke: 9, retracted: null })).map(({ message }) => message);
+      expect(found.join()).toContain("passes a dead point within the limits of luff");
+    }
+    // the dead point just outside the limits is none of theirs
+    const angle = -0.02;
+    const behind = { ...base, x: heel[0] + 12 * Math.cos(angle), z: heel[2] + 12 * Math.sin(angle) };
+    const near = problems(withCylinder({ base: behind, eye: { ...eye, x: 4, z: 0 }, stroke: 30 }));
+    expect(near.map(({ message }) => message).join()).not.toContain("dead point");
+  });
 });

@@ -1,7 +1,7 @@
 // What is wrong with a crane while it is being drawn, in words and at its place. The Python package checks everything
 // (`seacrane design check`); these are the ones that dragging brings about, fast enough for every frame.
 import { planeProblems } from "./loadChart";
-import { cylinderLengths, retracted } from "./plane";
+import { cylinderLengths, passesDeadPoint, retracted } from "./plane";
 import { type Crane, FOOT } from "./types";
 
 export interface Problem {
@@ -60,6 +60,11 @@ export function problems(crane: Crane): Problem[] {
       say("base", "its pins coincide within the joint's limits");
       continue;
     }
+    if (passesDeadPoint(crane, cylinder))
+      say(
+        "moves",
+        `passes a dead point within the limits of ${cylinder.moves}, where it has no lever: move its pins, or narrow the limits`,
+      );
     const travel = `the pins are ${metres(shortest)} to ${metres(longest)} apart over the joint's limits`;
     if (longest - shortest > cylinder.stroke) {
       say("stroke", `${metres(cylinder.stroke)} is too short: ${travel}, which needs ${metres(longest - shortest)}`);

@@ -93,27 +93,36 @@ export function span(crane: Crane, a: Attachment, b: Attachment): Span {
     : { outer: b, outerLink: pb, inner: a, innerLink: pa };
 }
 
-/** Shortest and longest length between the pins [m] over the limits of the joint that the cylinder moves. */
-export function cylinderLengths(crane: Crane, cylinder: Cylinder): [shortest: number, longest: number] {
+/** Lengths between the pins [m], evenly over the limits of the joint that the cylinder moves; none if it has no limits. */
+function lengthsOverTravel(crane: Crane, cylinder: Cylinder): number[] {
   const joints = planar(crane);
   const k = joints.findIndex((joint) => joint.joint.name === cylinder.moves);
   const limits = joints[k]?.joint.limits;
-  if (!limits) return [Number.NaN, Number.NaN];
+  if (!limits) return [];
   const { inner, outer, innerLink, outerLink } = span(crane, cylinder.base, cylinder.eye);
-  let [shortest, longest] = [Number.POSITIVE_INFINITY, 0];
   const q = joints.map(() => 0);
-  for (let i = 0; i < LENGTH_SAMPLES; i += 1) {
+  return Array.from({ length: LENGTH_SAMPLES }, (_, i) => {
     q[k] = limits[0] + (i * (limits[1] - limits[0])) / (LENGTH_SAMPLES - 1);
     const poses = posed(crane, joints, q);
     const [a, b] = [poses[outerLink] ?? ORIGIN, poses[innerLink] ?? ORIGIN];
-    const length = Math.hypot(
+    return Math.hypot(
       pointX(a, outer.x, outer.z) - pointX(b, inner.x, inner.z),
       pointZ(a, outer.x, outer.z) - pointZ(b, inner.x, inner.z),
     );
-    shortest = Math.min(shortest, length);
-    longest = Math.max(longest, length);
-  }
-  return [shortest, longest];
+  });
+}
+
+/** Shortest and longest length between the pins [m] over the limits of the joint that the cylinder moves. */
+export function cylinderLengths(crane: Crane, cylinder: Cylinder): [shortest: number, longest: number] {
+  const lengths = lengthsOverTravel(crane, cylinder);
+  return lengths.length ? [Math.min(...lengths), Math.max(...lengths)] : [Number.NaN, Number.NaN];
+}
+
+/** Whether the cylinder loses its lever on the way from limit to limit: it shortens first and then lengthens, or reversed. */
+export function passesDeadPoint(crane: Crane, cylinder: Cylinder): boolean {
+  const lengths = lengthsOverTravel(crane, cylinder);
+  const steps = lengths.slice(1).map((length, i) => length - lengths[i]);
+  return !steps.every((step) => step > 0) && !steps.every((step) => step < 0);
 }
 
 /** Length between the pins with the rod fully in [m], as in Python: as given, or the travel centred in the stroke. */

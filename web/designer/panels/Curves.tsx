@@ -5,11 +5,14 @@ import { fixed, TONNE } from "../../core/units";
 import type { Charts } from "../charts";
 import { useBench, useDesigner } from "../context";
 import { gridStep } from "../section/window";
+import { namesOn } from "./curveNames";
 import { usePlotSize } from "./plotSize";
 
 const LEFT = 34;
 const BOTTOM = 26;
 const BAND = 0.5;
+/** Half the width of a name on a curve [px]. */
+const NAME = 30;
 
 /** The curves of a crane, newest last; those shown stay until the new ones are there. */
 export function useCurves(charts: Charts, crane: Crane): readonly Curve[] {
@@ -46,7 +49,10 @@ export function Curves() {
         ))}
       </nav>
       <Plot
-        lines={curves.map((curve) => ({ curve, kind: curve.mode === mode ? "chosen" : "other" }))}
+        lines={curves.map((curve) => {
+          const item = sea.find(({ name }) => name === curve.mode);
+          return { curve, kind: curve.mode === mode ? "chosen" : "other", name: item && modeLabel(item) };
+        })}
         rated={crane.capacity}
       />
     </section>
@@ -56,6 +62,8 @@ export function Curves() {
 export interface Line {
   readonly curve: Curve;
   readonly kind: "chosen" | "other" | "compared";
+  /** Written on it, where there is room. */
+  readonly name?: string;
 }
 
 export function Plot({ lines, rated = [] }: { lines: readonly Line[]; rated?: Crane["capacity"] }) {
@@ -64,13 +72,15 @@ export function Plot({ lines, rated = [] }: { lines: readonly Line[]; rated?: Cr
   const [at, setAt] = useState<number | null>(null);
   const chosen = lines.find((line) => line.kind === "chosen")?.curve;
   const furthest = Math.max(1, ...lines.map(({ curve }) => curve.radius.at(-1) ?? 0));
-  const largest = Math.max(1, ...lines.map(({ curve }) => sensible(curve)));
+  const largest = Math.max(100, ...lines.map(({ curve }) => sensible(curve)));
   const top = 1.08 * largest;
   const x = (radius: number) => LEFT + ((width - LEFT - 8) * radius) / furthest;
   const y = (load: number) => height - BOTTOM - ((height - BOTTOM - 10) * Math.min(load, 1.2 * top)) / top;
   const every = gridStep((width - LEFT) / furthest, 44);
   const high = gridStep((height - BOTTOM) / (top / TONNE), 34) * TONNE;
   const order = [...lines].sort((a, b) => Number(a.kind === "chosen") - Number(b.kind === "chosen"));
+  const named = [...order].reverse().flatMap(({ curve, name }) => (name ? [{ curve, name }] : []));
+  const aside = (NAME * furthest) / Math.max(width - LEFT - 8, 1);
   const band = at === null || !chosen ? -1 : Math.round(at / BAND);
   const load = chosen?.load[band];
   return (
@@ -131,6 +141,11 @@ export function Plot({ lines, rated = [] }: { lines: readonly Line[]; rated?: Cr
             <circle className="cursor" cx={x(chosen!.radius[band])} cy={y(load)} r={3.5} />
           )}
         </g>
+        {namesOn(named, y, aside, furthest - aside).map(({ name, radius, load: value }) => (
+          <text key={name} className="curve" x={x(radius)} y={y(value) - 4} textAnchor="middle">
+            {name}
+          </text>
+        ))}
         <text className="name" x={width - 8} y={height - 1} textAnchor="end">
           radius [m]
         </text>

@@ -1,6 +1,9 @@
 import { fixed } from "../../core/units";
 import { gridStep, toMetres, toPixels, type Window } from "./window";
 
+/** Room for the name of the lower axis, at its right end [px]. */
+const NAME = 86;
+
 /** Axes in metres: radius below, height on the left, with the deck at the foot and the waterline. */
 export function Grid({ window, waterline }: { window: Window; waterline: number }) {
   const { width, height, scale } = window;
@@ -22,9 +25,11 @@ export function Grid({ window, waterline }: { window: Window; waterline: number 
         return (
           <g key={x}>
             <line x1={px} x2={px} y1={0} y2={height} />
-            <text x={px} y={height - 6} textAnchor="middle">
-              {fixed(x, decimals)}
-            </text>
+            {px < width - NAME && (
+              <text x={px} y={height - 6} textAnchor="middle">
+                {fixed(x, decimals)}
+              </text>
+            )}
           </g>
         );
       })}
@@ -33,7 +38,7 @@ export function Grid({ window, waterline }: { window: Window; waterline: number 
         return (
           <g key={z}>
             <line x1={0} x2={width} y1={py} y2={py} />
-            {py < height - 26 && (
+            {py < height - 26 && py > 32 && (
               <text x={6} y={py - 4}>
                 {fixed(z, decimals)}
               </text>
@@ -46,12 +51,12 @@ export function Grid({ window, waterline }: { window: Window; waterline: number 
       {water < height && water > 0 && (
         <>
           <line className="water" x1={0} x2={width} y1={water} y2={water} />
-          <text className="water-label" x={width - 180} y={water - 5} textAnchor="end">
+          <text className="water-label" x={width - NAME} y={water - 5} textAnchor="end">
             waterline
           </text>
         </>
       )}
-      <text className="axis-name" x={width - 66} y={height - 20} textAnchor="end">
+      <text className="axis-name" x={width - 8} y={height - 6} textAnchor="end">
         radius [m]
       </text>
       <text className="axis-name" x={6} y={16}>

@@ -92,7 +92,11 @@ export default function Solid() {
             {reach && <Volume crane={crane} edge={reach.edge} />}
           </group>
           {measuring && <Measure crane={crane} at={at} points={points} radius={0.006 * size} onPick={pick} />}
-          <Framed content={content} room={moving ? room : null} on={[crane.name, reach !== null, moving]} />
+          <Framed
+            content={content}
+            room={moving ? room : null}
+            on={[crane.name, crane.links.length, reach !== null, moving, explode]}
+          />
         </Canvas>
       ) : (
         <p className="failure">No meshes can be made from these sizes.</p>

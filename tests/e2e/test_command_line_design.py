@@ -28,6 +28,19 @@ def test_the_load_chart_goes_to_csv_with_the_published_loads(
     assert f"{out}: {len(rows)} rows" in capsys.readouterr().out
 
 
+def test_the_load_chart_of_given_radii(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "chart.csv"
+    command = ["design", "chart", "gunnerus-pk65", "--mode", "harbour", "--csv", str(out), "--radii"]
+    assert main([*command, "20.3,4,90"]) == 0
+    with out.open() as file:
+        rows = [(float(row["radius_m"]), float(row["swl_t"])) for row in csv.DictReader(file)]
+    assert rows == [(4.0, pytest.approx(15.1, rel=0.05)), (20.3, pytest.approx(2.1, rel=0.05))]
+    for wrong in ("4;5", "", "-3", "inf"):
+        with pytest.raises(SystemExit):
+            main([*command, wrong])
+        assert "are no radii; give numbers in m above 0, such as 4,20.3" in capsys.readouterr().err
+
+
 def test_charts_are_printed_and_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["design", "chart", "offshore-100t", "--mode", "harbour"]) == 0
     printed = capsys.readouterr().out

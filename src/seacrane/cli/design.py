@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -31,6 +32,7 @@ def add(commands: Commands) -> None:
     check.set_defaults(run=_check)
     chart = design.add_parser("chart", help="print the load chart: load over radius, and what governs")
     chart.add_argument("--mode", metavar="NAME", help="harbour, or a wave height such as hs2.0; all unless given")
+    chart.add_argument("--radii", type=_radii, metavar="M,M", help="at these radii [m], instead of each whole metre")
     chart.add_argument("--csv", type=output, metavar="OUT", help="write mode, radius_m, swl_t, governs")
     chart.add_argument("--plot", type=picture, metavar="OUT", help="draw the curves (SVG, PNG or PDF)")
     chart.add_argument("--section", type=picture, metavar="OUT", help="draw the load over the workspace of the mode")
@@ -50,6 +52,16 @@ def add(commands: Commands) -> None:
     optimise.set_defaults(run=_optimise)
     for action in (show, check, chart, export, optimise):
         action.add_argument("design", help="a design that comes with the package, a design file, or an exported ZIP")
+
+
+def _radii(text: str) -> list[float]:
+    try:
+        radii = sorted({float(item) for item in text.split(",")})
+    except ValueError:
+        radii = []
+    if not radii or not all(0 < radius < math.inf for radius in radii):
+        raise argparse.ArgumentTypeError(f"{text!r} are no radii; give numbers in m above 0, such as 4,20.3")
+    return radii
 
 
 def load(source: str) -> Crane:
@@ -87,7 +99,7 @@ def _chart(options: argparse.Namespace) -> int:
 
     crane = load(options.design)
     modes = chart.modes(crane) if options.mode is None else (chart.mode(crane, options.mode),)
-    curves = {mode.name: chart.curve(crane, mode) for mode in modes}
+    curves = {mode.name: chart.curve(crane, mode, radii=options.radii) for mode in modes}
     rows = [row for curve in curves.values() for row in curve]
     if options.csv:
         documents.write(chart.to_csv(rows), options.csv)

@@ -158,29 +158,73 @@ class Row:
 def curve(crane: Crane, mode: Mode = HARBOUR, *, radii: Sequence[float] | None = None, count: int = 0) -> list[Row]:
     """The load chart of one mode: for each radius [m] the best posture; radii out of reach are left out.
 
-    The tip of each posture of a grid of `count` per joint falls into a band about each radius, half as wide as the
-    distance between radii (all whole metres, unless given) and at most 0.125 m; the load is scaled to the radius by the
-    moment, which is exact where a moment governs and changes it by less than the width over the radius elsewhere.
+    Radii are all whole metres and the end of the reach to a decimetre, unless given. The tip of each posture of a grid
+    of `count` per joint falls into a band about each radius, half as wide as the distance between radii and at most
+    0.125 m; the load is scaled to the radius by the moment, which is exact where a moment governs and changes it by
+    less than the width over the radius elsewhere. About the best posture of each radius ever finer grids are searched.
     """
     joints = len(plane_joints(crane))
     postures = grid(crane, count or evenly(joints, COUNTS, _MOST_POSTURES))
     found = capacity(crane, postures, mode)
     reach = found.radius.ravel()
     wanted = _whole(reach) if radii is None else np.asarray(radii, float)
-    spacing = np.min(np.diff(np.sort(wanted))) if len(wanted) > 1 else 1.0
-    band = min(0.125, 0.25 * float(spacing)) if spacing > 0 else 0.125
+    spacing = np.min(np.diff(np.sort(wanted))) if radii is not None and len(wanted) > 1 else 1.0
+    band = min(_BAND, 0.25 * float(spacing)) if spacing > 0 else _BAND
     loads = found.swl.ravel()
-    rows = []
+    radii, starts = [], []
     for radius in wanted:
-        inside = np.flatnonzero((reach >= radius - band) & (reach <= radius + band))
-        if not inside.size:
-            continue
-        best = int(inside[np.argmax(loads[inside] * np.minimum(1.0, reach[inside] / radius))])
-        at = np.unravel_index(best, found.swl.shape)
-        swl = float(loads[best] * min(1.0, reach[best] / radius))
-        name = found.limits[found.governs[at]]
-        rows.append(Row(mode.name, float(radius), swl, name, _posture(postures, at)))
-    return rows
+        inside = np.flatnonzero(np.abs(reach - radius) <= band)
+        if inside.size:
+            best = inside[np.argmax(loads[inside] * np.minimum(1.0, reach[inside] / radius))]
+            radii.append(float(radius))
+            starts.append(_posture(postures, np.unravel_index(int(best), found.swl.shape)))
+    return _refined(crane, mode, radii, starts, {name: _step(q) for name, q in postures.items()}, band)
+
+
+def _refined(
+    crane: Crane,
+    mode: Mode,
+    radii: Sequence[float],
+    starts: Sequence[Mapping[str, float]],
+    steps: dict[str, float],
+    band: float,
+) -> list[Row]:
+    """For each radius the best of the postures about its start, searched with ever finer steps; all radii at once."""
+    if not radii:
+        return []
+    joints = plane_joints(crane)
+    each = np.linspace(-1.0, 1.0, evenly(len(joints), _ABOUT, 250) | 1)  # an odd number, so that the start is one
+    about = np.stack([offset.ravel() for offset in np.meshgrid(*[each] * len(joints), indexing="ij")])
+    wanted = np.asarray(radii)[:, None]
+    best = {joint.name: np.array([start[joint.name] for start in starts]) for joint in joints}
+    rows = np.arange(len(radii))
+    for scale in _ZOOMS:
+        near = {
+            joint.name: np.clip(
+                best[joint.name][:, None] + scale * steps[joint.name] * offset, *(joint.limits or (0.0, 0.0))
+            )
+            for joint, offset in zip(joints, about, strict=True)
+        }
+        found = capacity(crane, near, mode)
+        scaled = found.swl * np.minimum(1.0, found.radius / wanted)
+        at = np.argmax(np.where(np.abs(found.radius - wanted) <= band + 1e-9, scaled, -1.0), axis=1)
+        best = {name: q[rows, at] for name, q in near.items()}
+    return [
+        Row(
+            mode.name,
+            radius,
+            float(scaled[row, k]),
+            found.limits[found.governs[row, k]],
+            {name: float(q[row]) for name, q in best.items()},
+        )
+        for row, (radius, k) in enumerate(zip(radii, at, strict=True))
+    ]
+
+
+def _step(coordinates: Array) -> float:
+    """Distance between the coordinates of a grid along its joint."""
+    row = coordinates.ravel()
+    return float(row[1] - row[0]) if len(row) > 1 else 0.0
 
 
 def to_csv(rows: Sequence[Row]) -> str:
@@ -192,12 +236,28 @@ def to_csv(rows: Sequence[Row]) -> str:
 COUNTS = {1: 2000, 2: 256, 3: 40, 4: 16}
 """Postures per joint of a curve, by the number of joints in the plane."""
 
+_BAND = 0.125
+"""Half the width of the band about a radius, at most [m]."""
+
+_END = 0.25
+"""How far beyond the last whole metre the end of the reach has a row of its own [m]."""
+
 _MOST_POSTURES = 65536
 """Postures of a curve in all, of a crane with more joints."""
 
 
+_ABOUT = {1: 41, 2: 9, 3: 7, 4: 5}
+"""Postures per joint about the best so far, and how far to both sides, in steps of the grid before."""
+
+_ZOOMS = (1.0, 1.0, 0.5, 0.5, 0.25, 0.1)
+
+
 def _whole(reach: Array) -> Array:
-    return np.arange(math.ceil(max(float(reach.min()), 1.0)), math.floor(float(reach.max())) + 1, dtype=float)
+    """Whole metres within reach, and its end to a decimetre where that is a quarter of a metre further."""
+    least, most = max(float(reach.min()), 1.0), float(reach.max())
+    whole = np.arange(math.ceil(least), math.floor(most) + 1, dtype=float)
+    end = math.floor(10 * most + 1e-6) / 10
+    return np.append(whole, end) if len(whole) and end >= whole[-1] + _END else whole
 
 
 def _posture(postures: Postures, at: tuple[np.intp, ...]) -> dict[str, float]:

@@ -65,6 +65,27 @@ def test_the_published_loads_of_the_gunnerus_crane() -> None:
     assert far.swl == pytest.approx(2.1e3, rel=0.05)
 
 
+@pytest.mark.parametrize("name", design.names())
+def test_a_shipped_crane_lifts_its_rated_loads_and_no_more_than_half_as_much_again(name: str) -> None:
+    crane = design.load(name)
+    for rated in crane.capacity:
+        (row,) = chart.curve(crane, radii=[rated.radius])
+        assert row.swl == pytest.approx(rated.mass, rel=5e-3) or row.swl > rated.mass
+    assert max(row.swl for row in chart.curve(crane)) < 1.5 * max(rated.mass for rated in crane.capacity)
+
+
+def test_a_curve_finds_what_a_hundred_times_as_many_postures_find() -> None:
+    """Three joints, so that a radius has postures without end; the load hangs on few of them."""
+    crane = design.load("dual-drag-link-60t")
+    fine = {row.radius: row.swl for row in chart.curve(crane, count=80)}
+    found = chart.curve(crane)
+    assert [row.radius for row in found] == [*range(6, 33), 32.9]
+    for row in found:
+        assert row.swl == pytest.approx(fine[row.radius], rel=0.02)
+        most = min(chart.each_limit(crane, row.posture).values())
+        assert row.swl == pytest.approx(most, rel=0.13 / row.radius + 1e-9)
+
+
 def test_levers_are_the_derivatives_of_the_points_and_lengths() -> None:
     crane, h = design.load("dual-drag-link-60t"), 1e-6
     at = postures(crane)

@@ -5,9 +5,10 @@ BIN    := $(VENV)/bin
 PAGE   := src/seacrane/server/page/index.html
 WEB    := $(shell find web -path web/node_modules -prune -o -type f -print 2>/dev/null)
 ARGS   ?=
+CHART  := web/core/design/loadChart
 BY_THE_CLOCK := tests/contract tests/e2e tests/unit/server tests/unit/cosim/test_cosim_faults.py tests/unit/cosim/test_cosim_pacing.py
 
-.PHONY: demo test foreign-platforms check setup browser docs format clean
+.PHONY: demo test foreign-platforms check setup browser load-chart docs format clean
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.installed $(PAGE)
@@ -46,6 +47,11 @@ test: setup browser $(VENV)/.tools
 	$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder $(addprefix --ignore=,$(BY_THE_CLOCK))
 	$(BIN)/python -m pytest $(BY_THE_CLOCK)
 	cd web && npm test
+
+# The WebAssembly of the designer's load chart, kept beside its source so that a page is built without a C compiler.
+load-chart:
+	$(BIN)/python -m ziglang cc -target wasm32-freestanding -std=c99 -O2 -msimd128 -Wall -Wextra -Werror -nostdlib -s \
+	  -Wl,--no-entry -Wl,--initial-memory=67108864 -o $(CHART).wasm web/core/design/loadChart.c
 
 # Exported binaries for aarch64 Linux and Windows, run by emulators.
 foreign-platforms: setup $(VENV)/.tools

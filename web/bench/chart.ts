@@ -2,7 +2,8 @@
 
 import { fromData } from "../core/design/file";
 import { capacity, sweep } from "../core/design/loadChart";
-import { contourStep, paint, Rasteriser, size } from "../core/design/section";
+import { contourStep, paint } from "../core/design/paint";
+import { Rasteriser, size } from "../core/design/section";
 import { type Crane, HARBOUR, type Mode, planeJoints } from "../core/design/types";
 import { labels, scaleEnd } from "../designer/section/contours";
 import { framed, raster } from "../designer/section/window";

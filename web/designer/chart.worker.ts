@@ -1,6 +1,7 @@
 // Load charts off the page's thread: a section painted, curves, the verdict on a point. One answer to each request.
 import { type Curve, curve, type Verdict, verdict } from "../core/design/curve";
-import { contourStep, paint, postureAt, Rasteriser, type Section, size, type View } from "../core/design/section";
+import { contourStep, paint } from "../core/design/paint";
+import { postureAt, Rasteriser, type Section, size, type View } from "../core/design/section";
 import { type Crane, HARBOUR, type Mode, modes } from "../core/design/types";
 import { type Reach, reach } from "../core/design/volume";
 import { type Label, labels, scaleEnd } from "./section/contours";

@@ -25,7 +25,8 @@ UNAUTHENTICATED: Final = 4401
 _POLICY: Final = "; ".join(
     (
         "default-src 'self'",
-        "script-src 'self'",
+        # and WebAssembly, which the load chart is computed in
+        "script-src 'self' 'wasm-unsafe-eval'",
         "style-src 'self' 'unsafe-inline'",
         "img-src 'self' data: blob:",
         "font-src 'self' data:",

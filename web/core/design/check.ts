@@ -1,7 +1,6 @@
 // What is wrong with a crane while it is being drawn, in words and at its place. The Python package checks everything
 // (`seacrane design check`); these are the ones that dragging brings about, fast enough for every frame.
-import { planeProblems } from "./loadChart";
-import { cylinderLengths, passesDeadPoint, retracted } from "./plane";
+import { cylinderLengths, passesDeadPoint, planeProblems, retracted } from "./plane";
 import { type Crane, FOOT } from "./types";
 
 export interface Problem {

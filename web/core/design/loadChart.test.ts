@@ -19,6 +19,32 @@ describe("a grid with longer rows than are computed at once", () => {
   });
 });
 
+describe("a crane whose cylinder moves no joint of its plane", () => {
+  const crane = cases[0].crane as unknown as Crane;
+
+  it("is refused by the name of that joint", () => {
+    const cylinders = crane.cylinders.map((cylinder) => ({ ...cylinder, moves: "yaw" }));
+    const one = cases[0].coordinates.map(([first]) => [first]);
+    expect(() => capacity({ ...crane, cylinders }, one, modes(crane)[0])).toThrow("no joint yaw");
+  });
+});
+
+describe("a crane of too many parts", () => {
+  const { hoist, ...crane } = cases[0].crane as unknown as Crane;
+  const turns = [hoist.sheaves[hoist.sheaves.length - 1], hoist.drum];
+  const reeved = (sheaves: number) => {
+    const path = Array.from({ length: sheaves }, (_, i) => turns[i % 2]);
+    return { ...crane, hoist: { ...hoist, sheaves: path } };
+  };
+  const long = cases[0].coordinates.map(() => Array.from({ length: 640 }, (_, i) => 0.1 + 1e-3 * i));
+
+  it("is refused in words, and the next one is charted as ever", () => {
+    expect(() => capacity(reeved(10_001), long, modes(crane as Crane)[1])).toThrow("more cylinders and sheaves");
+    const one = cases[0].coordinates.map(([first]) => [first]);
+    expect(capacity(reeved(1), one, modes(crane as Crane)[1]).load[0]).toBeGreaterThan(0);
+  });
+});
+
 describe("the load chart of the page is that of the Python package", () => {
   for (const { crane: raw, coordinates, radius, height, modes: expected } of cases) {
     const crane = raw as unknown as Crane;

@@ -37,6 +37,24 @@ export function planar(crane: Crane): PlaneJoint[] {
   });
 }
 
+/** Why the crane does not move in one plane, in words; empty if it does. */
+export function planeProblems(crane: Crane): string[] {
+  const problems: string[] = [];
+  crane.links.forEach(({ name, joint }, index) => {
+    const size = Math.hypot(...joint.axis);
+    const [, y, z] = joint.axis.map((value) => value / size);
+    if (joint.name === crane.slew?.joint) {
+      if (index > 0 || joint.kind !== "revolute" || Math.abs(z) < 1 - 1e-9)
+        problems.push(`${name}: the slewing joint must be the first, turning about the vertical`);
+      return;
+    }
+    if (joint.kind === "revolute" && Math.abs(y) < 1 - 1e-9) problems.push(`${name}: turns out of the crane's plane`);
+    if (joint.kind === "prismatic" && Math.abs(y) > 1e-9) problems.push(`${name}: slides out of the crane's plane`);
+    if (!joint.limits) problems.push(`${name}: the joint needs limits, only slewing may be endless`);
+  });
+  return problems;
+}
+
 /** Frames of the links for coordinates of the plane's joints; a joint that is missing stands at zero. */
 export function posed(crane: Crane, joints: readonly PlaneJoint[], q: readonly number[]): Pose[] {
   let before: Pose = { x: 0, z: 0, c: 1, s: 0 };
@@ -100,15 +118,20 @@ function lengthsOverTravel(crane: Crane, cylinder: Cylinder): number[] {
   const limits = joints[k]?.joint.limits;
   if (!limits) return [];
   const { inner, outer, innerLink, outerLink } = span(crane, cylinder.base, cylinder.eye);
-  const q = joints.map(() => 0);
+  // the outer pin moves on a circle about the joint, or along its slide; the other joints stand at zero
+  const { link, turns, sign, slideX, slideZ } = joints[k];
+  const poses = posed(crane, joints, []);
+  const [axis, a, b] = [poses[link], poses[outerLink] ?? ORIGIN, poses[innerLink] ?? ORIGIN];
+  const moves = innerLink < link && link <= outerLink;
+  const [x, z] = [pointX(a, outer.x, outer.z) - axis.x, pointZ(a, outer.x, outer.z) - axis.z];
+  const [dx, dz] = [axis.x - pointX(b, inner.x, inner.z), axis.z - pointZ(b, inner.x, inner.z)];
+  const [alongX, alongZ] = [slideX * axis.c - slideZ * axis.s, slideX * axis.s + slideZ * axis.c];
   return Array.from({ length: LENGTH_SAMPLES }, (_, i) => {
-    q[k] = limits[0] + (i * (limits[1] - limits[0])) / (LENGTH_SAMPLES - 1);
-    const poses = posed(crane, joints, q);
-    const [a, b] = [poses[outerLink] ?? ORIGIN, poses[innerLink] ?? ORIGIN];
-    return Math.hypot(
-      pointX(a, outer.x, outer.z) - pointX(b, inner.x, inner.z),
-      pointZ(a, outer.x, outer.z) - pointZ(b, inner.x, inner.z),
-    );
+    const q = moves ? limits[0] + (i * (limits[1] - limits[0])) / (LENGTH_SAMPLES - 1) : 0;
+    const [c, s] = turns ? [Math.cos(q), Math.sin(q) * sign] : [1, 0];
+    const slid = turns ? 0 : q;
+    const [ex, ez] = [dx + x * c - z * s + slid * alongX, dz + x * s + z * c + slid * alongZ];
+    return Math.sqrt(ex * ex + ez * ez);
   });
 }
 

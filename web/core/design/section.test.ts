@@ -1,7 +1,8 @@
 import { describe, expect, it } from "vitest";
 import { capacity } from "./loadChart";
 import cases from "./loadChart.fixture.json";
-import { contourStep, paint, postureAt, Rasteriser, type View } from "./section";
+import { contourStep, paint } from "./paint";
+import { postureAt, Rasteriser, type View } from "./section";
 import { type Crane, HARBOUR } from "./types";
 
 const crane = cases.find(({ crane }) => crane.name === "offshore-100t")?.crane as unknown as Crane;

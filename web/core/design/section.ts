@@ -1,7 +1,7 @@
 // The load over the crane's plane as a raster: every posture of a grid, fine enough that none of the reachable cells is
 // missed, brings its load to the cell where its tip is; the best posture of a cell counts. Where more than two joints leave
 // a choice of postures to each point, further grids fill in between, best done while nobody drags.
-import { type Capacity, sweep } from "./loadChart";
+import { chart, memory, sweep } from "./loadChart";
 import { type Crane, type Joint, type Mode, planeJoints } from "./types";
 
 export interface View {
@@ -18,7 +18,7 @@ export interface Section {
   readonly view: View;
   /** By cell, rows from below [kg]; NaN out of reach. */
   readonly load: Float32Array;
-  /** By cell: load and index of the best posture in one number, for `postureAt`; negative out of reach. */
+  /** By cell: load and index of the best posture in one number, for `postureAt`; negative if none. */
   readonly best: Float64Array;
   /** The grids of postures, one index running through all of them. */
   readonly grids: readonly Grid[];
@@ -32,8 +32,9 @@ export type Grid = readonly ArrayLike<number>[];
 
 const MOST_POSTURES = 1_000_000;
 const MOST_COORDINATES = 1200;
-/** So that fewer cells are fewer postures, where any number of them could be looked at. */
+/** So that fewer cells are fewer postures; where three joints leave a choice, refining brings the others. */
 const POSTURES_PER_CELL = 2.8;
+const CHOSEN_PER_CELL = 1.6;
 
 // The load in 1/32 kg and the index of its posture share a number, so that the better of two postures is the larger number.
 const INDICES = 2 ** 25;
@@ -129,7 +130,6 @@ export function size(grid: Grid): number {
 export class Rasteriser {
   private load = new Float32Array(0);
   private best = new Float64Array(0);
-  private filled: readonly number[] = [];
   private grids: Grid[] = [];
   private swept = 0;
   private further: Iterator<Grid> = [].values();
@@ -140,93 +140,75 @@ export class Rasteriser {
       this.load = new Float32Array(cells);
       this.best = new Float64Array(cells);
     }
-    this.best.fill(-1);
-    this.filled = [];
     this.grids = [];
     this.swept = 0;
     this.further = layers(crane, view.cell);
-    const most = Math.min(POSTURES_PER_CELL * cells, MOST_POSTURES);
+    const choice = planeJoints(crane).length > 2;
+    const most = Math.min((choice ? CHOSEN_PER_CELL : POSTURES_PER_CELL) * cells, MOST_POSTURES);
     // four grids of half of the postures
     const perJoint = Math.floor(Math.sqrt(most / 8));
-    for (const grid of ends(crane, view.cell, perJoint)) this.sweep(crane, mode, view, grid);
-    this.sweep(crane, mode, view, postures(crane, view.cell, most - this.swept));
-    return this.finished(crane, view, planeJoints(crane).length < 3);
+    const loose = ends(crane, view.cell, perJoint);
+    const rest = most - loose.reduce((sum, grid) => sum + size(grid), 0);
+    const raster = this.raster(view);
+    for (const grid of [...loose, postures(crane, view.cell, rest)]) this.sweep(crane, mode, grid);
+    return this.finished(crane, view, raster, !choice);
   }
 
   /** The same section with more postures, as many as take about `milliseconds`. */
   refined(crane: Crane, mode: Mode, view: View, milliseconds: number): Section {
-    for (const cell of this.filled) this.best[cell] = -1;
     const end = performance.now() + milliseconds;
+    const raster = this.raster(view);
     let complete = false;
     while (!complete && performance.now() < end) {
       const next = this.further.next();
       complete = next.done === true || this.swept + size(next.value) > INDICES;
-      if (!complete) this.sweep(crane, mode, view, next.value);
+      if (!complete) this.sweep(crane, mode, next.value);
     }
-    return this.finished(crane, view, complete);
+    return this.finished(crane, view, raster, complete);
   }
 
-  private sweep(crane: Crane, mode: Mode, view: View, grid: Grid): void {
-    const { swept, best } = this;
-    sweep(crane, grid, mode, (row, at) => take(row, swept + at, view, best));
+  /** The raster that postures are brought to, with those so far. */
+  private raster({ width, height, x, z, cell }: View): Float64Array {
+    const [left, low] = [0.5 - x / cell, 0.5 - z / cell];
+    const at = chart.raster(width, height, left, low, 1 / cell, PER_KILOGRAM, LARGEST, INDICES);
+    const raster = new Float64Array(memory, at, this.best.length);
+    if (this.swept > 0) raster.set(this.best);
+    else raster.fill(-1);
+    return raster;
+  }
+
+  /** Let the postures of a grid take the cells where their tips are. */
+  private sweep(crane: Crane, mode: Mode, grid: Grid): void {
+    const { swept } = this;
+    sweep(crane, grid, mode, ({ count }, at, stride) => chart.bring(count, swept + at, stride));
     this.grids.push(grid);
     this.swept += size(grid);
   }
 
-  private finished(crane: Crane, view: View, complete: boolean): Section {
+  private finished(crane: Crane, view: View, raster: Float64Array, complete: boolean): Section {
     const { load, best } = this;
-    this.filled = fillHoles(best, view);
-    for (let cell = 0; cell < load.length; cell += 1) load[cell] = loadOf(best[cell]);
+    best.set(raster);
+    load.set(new Float32Array(memory, chart.loads(), load.length));
     return { view, load, best, grids: this.grids, joints: planeJoints(crane).map((joint) => joint.name), complete };
   }
 }
 
-/** Bring the loads of a row to the cells where its tips are. */
-function take({ count, radius, height, load }: Capacity, at: number, view: View, best: Float64Array): void {
-  const { width, height: lines, x, z, cell } = view;
-  const scale = 1 / cell;
-  const [left, low] = [0.5 - x * scale, 0.5 - z * scale];
-  for (let j = 0; j < count; j += 1) {
-    const column = radius[j] * scale + left;
-    const line = height[j] * scale + low;
-    if (!(column >= 0 && column < width && line >= 0 && line < lines)) continue;
-    const to = (line | 0) * width + (column | 0);
-    const weight = load[j] * PER_KILOGRAM;
-    const value = (weight < LARGEST ? Math.floor(weight) : LARGEST) * INDICES + at + j;
-    best[to] = Math.max(best[to], value);
-  }
-}
-
 function loadOf(best: number): number {
-  return best < 0 ? Number.NaN : Math.floor(best / INDICES) / PER_KILOGRAM;
-}
-
-/** Lets a cell that no posture met, between two others, be like the better one. Which cells those are. */
-function fillHoles(best: Float64Array, { width, height }: View): number[] {
-  const filled: number[] = [];
-  for (let row = 1; row + 1 < height; row += 1)
-    for (let cell = row * width + 1; cell + 1 < (row + 1) * width; cell += 1) {
-      if (best[cell] >= 0) continue;
-      const left = cell - 1;
-      const right = cell + 1;
-      const below = cell - width;
-      const above = cell + width;
-      if (best[left] >= 0 && best[right] >= 0) best[cell] = Math.max(best[left], best[right]);
-      else if (best[below] >= 0 && best[above] >= 0) best[cell] = Math.max(best[below], best[above]);
-      else continue;
-      filled.push(cell);
-    }
-  return filled;
+  return best < 0 ? Number.NaN : Math.fround(Math.floor(best / INDICES) / PER_KILOGRAM);
 }
 
 /** The posture of a cell by joint [rad, m]; null out of reach. */
 export function postureAt(section: Section, x: number, z: number): Record<string, number> | null {
-  const { view, best, grids, joints } = section;
+  const { view, load, best, grids, joints } = section;
   const column = Math.round((x - view.x) / view.cell);
   const row = Math.round((z - view.z) / view.cell);
   if (column < 0 || column >= view.width || row < 0 || row >= view.height) return null;
-  const value = best[row * view.width + column];
-  if (value < 0) return null;
+  const cell = row * view.width + column;
+  if (Number.isNaN(load[cell])) return null;
+  // one that no posture met is like one beside it
+  const value = [0, -1, 1, -view.width, view.width]
+    .map((step) => best[cell + step])
+    .find((met) => loadOf(met) === load[cell])!;
   let index = value % INDICES;
   let place = 0;
   while (index >= size(grids[place])) {
@@ -241,75 +223,4 @@ export function postureAt(section: Section, x: number, z: number): Record<string
     index = Math.floor(index / count);
   }
   return posture;
-}
-
-// ---------------------------------------------------------------- colours
-/** Cividis, by nine of its colours: readable in all kinds of colour vision and in grey. */
-const COLOURS: readonly (readonly [number, number, number])[] = [
-  [0, 32, 77],
-  [0, 52, 110],
-  [57, 72, 107],
-  [87, 93, 109],
-  [112, 113, 115],
-  [138, 134, 120],
-  [166, 157, 117],
-  [196, 182, 107],
-  [255, 234, 70],
-];
-
-export function colour(share: number): [number, number, number] {
-  const at = Math.min(Math.max(share, 0), 1) * (COLOURS.length - 1);
-  const i = Math.min(Math.floor(at), COLOURS.length - 2);
-  const [a, b] = [COLOURS[i], COLOURS[i + 1]];
-  return [0, 1, 2].map((k) => Math.round(a[k] + (b[k] - a[k]) * (at - i))) as [number, number, number];
-}
-
-/** A round step that divides `most` into five to ten. */
-export function contourStep(most: number): number {
-  if (!(most > 0)) return 1;
-  const power = 10 ** Math.floor(Math.log10(most / 5));
-  return [1, 2, 5, 10].map((m) => m * power).find((step) => most / step <= 10) ?? 10 * power;
-}
-
-const LINE = 0xff;
-const HALF_WIDTH = 1.25;
-
-/** RGBA of a section, top row first, with contours each `step` [kg]; `most` [kg] has the brightest colour. */
-export function paint(section: Section, most: number, step: number, pixels: Uint8ClampedArray): void {
-  const { width, height } = section.view;
-  const { load } = section;
-  const palette = Array.from({ length: 256 }, (_, i) => colour(i / 255));
-  const packed = Uint32Array.from(palette, ([r, g, b]) => (255 << 24) | (b << 16) | (g << 8) | r);
-  const out = new Uint32Array(pixels.buffer, pixels.byteOffset, width * height);
-  const [scale, bands] = [255 / Math.max(most, 1e-9), 1 / step];
-  for (let row = 0; row < height; row += 1)
-    for (let column = 0; column < width; column += 1) {
-      const cell = row * width + column;
-      const to = (height - 1 - row) * width + column;
-      const value = load[cell];
-      if (!(value >= 0)) {
-        out[to] = 0;
-        continue;
-      }
-      const index = Math.min(255, Math.floor(value * scale));
-      const white = line(load, cell, width, value * bands, bands);
-      if (white > 0) {
-        const [r, g, b] = palette[index];
-        const mixed = (channel: number) => channel + (LINE - channel) * white;
-        out[to] = (255 << 24) | (mixed(b) << 16) | (mixed(g) << 8) | mixed(r);
-      } else out[to] = packed[index];
-    }
-}
-
-/** How much of a cell a contour covers, 0 to 1: from how far it is away, in cells, by the slope of the load. */
-function line(load: Float32Array, cell: number, width: number, level: number, bands: number): number {
-  const off = Math.abs(level - Math.round(level));
-  if (level < 0.5 || off > 0.25) return 0;
-  const slopeX = 0.5 * bands * (load[cell + 1] - load[cell - 1]);
-  const slopeZ = 0.5 * bands * (load[cell + width] - load[cell - width]);
-  const slope = Math.sqrt(slopeX * slopeX + slopeZ * slopeZ);
-  // beside the edge of the section, and on plateaus, there is no contour to draw
-  if (!(slope > 1e-4)) return 0;
-  const away = off / slope;
-  return away < HALF_WIDTH ? Math.min(1, HALF_WIDTH - away) : 0;
 }

@@ -1,7 +1,7 @@
 import { useState } from "react";
 import { best, type Front, largerIsBetter, range, result, sized, sizes, unitOfGoal } from "../../core/design/optimise";
+import { colour } from "../../core/design/paint";
 import { factor } from "../../core/design/quantity";
-import { colour } from "../../core/design/section";
 import { DASH, fixed } from "../../core/units";
 import { keyOf } from "../search";
 import { gridStep } from "../section/window";

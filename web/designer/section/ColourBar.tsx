@@ -1,4 +1,4 @@
-import { colour } from "../../core/design/section";
+import { colour } from "../../core/design/paint";
 import { fixed, TONNE } from "../../core/units";
 
 const STOPS = 16;

@@ -113,11 +113,9 @@ def _chart(options: argparse.Namespace) -> int:
         print(f"{'mode':<8} {'radius':>8} {'load':>8}  governs")
         for row in rows:
             print(f"{row.mode:<8} {row.radius:>6.1f} m {row.swl / 1e3:>6.1f} t  {row.governs}")
-        for mode in modes[1:]:
-            need = chart.hook_speed_needed(crane, mode)
-            have = crane.hoist.speed / crane.hoist.falls
-            if have < need:
-                print(f"{mode.name}: the hook at {have:.2f} m/s is slower than the {need:.2f} m/s of EN 13852-1")
+        print()
+        for condition in chart.conditions(crane):
+            print(f"* {condition}")
         print(charts.NOT_CERTIFIED)
     return 0
 

@@ -156,7 +156,10 @@ def _files(crane: Crane) -> Iterator[tuple[str, bytes]]:
         yield stl[link], stereolithography(shape)
     yield "mass_properties.json", _json(_masses(whole))
     yield "load_chart.csv", chart.to_csv(rows).encode()
-    yield "load_chart.json", _json({"notice": NOTICE, "rows": [_row(row) for row in rows]})
+    yield (
+        "load_chart.json",
+        _json({"notice": NOTICE, "conditions": chart.conditions(crane), "rows": [_row(row) for row in rows]}),
+    )
     yield f"{stem}.xml", robot.mjcf(crane, stl).encode()
     yield f"{stem}.urdf", robot.urdf(crane, stl).encode()
     yield "sheet.pdf", sheet(crane, provenance(crane))

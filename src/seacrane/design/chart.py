@@ -32,7 +32,7 @@ from seacrane.design.crane import Crane, Cylinder
 from seacrane.design.geometry import retracted_length
 from seacrane.design.planar import Array, Plane, Postures, evenly, grid, plane_joints
 from seacrane.errors import DesignError
-from seacrane.units import GRAVITY
+from seacrane.units import GRAVITY, bar, deg
 
 NOTHING = "nothing"
 """What governs where no limit is given at all."""
@@ -271,6 +271,48 @@ def hook_speed_needed(crane: Crane, mode: Mode) -> float:
     Source: EN 13852-1:2013, hoisting speed for lifts from a floating vessel.
     """
     return (0.5 if crane.hoist.falls == 1 else 0.28) * _meeting_speed(crane, mode)
+
+
+def conditions(crane: Crane) -> list[str]:
+    """What the chart takes for granted and leaves out, one sentence or two each: the foot notes of a load chart."""
+    rating, hoist = crane.rating, crane.hoist
+    block = f"the hook block of {hoist.hook_mass / 1e3:.3g} t" if hoist.hook_mass else "the hook (no block is given)"
+    falls = "1 fall" if hoist.falls == 1 else f"{hoist.falls} falls with {hoist.sheave_efficiency:g} per sheave"
+    absent = [
+        what
+        for what, given in (
+            ("the slewing ring", rating.slew_moment or not crane.slew),
+            ("the structure", rating.structure),
+            ("the rope", hoist.rope.breaking_load),
+            ("the winch", hoist.line_pull),
+            ("the load moment", rating.load_moment),
+            ("the ship's stability", rating.heeling_moment),
+        )
+        if not given
+    ]
+    bears = [f"{c.count} x {c.name} at {c.pressure / bar:.0f} bar" for c in crane.cylinders]
+    notes = [
+        f"Loads hang below {block}, on {falls}; the rope's own weight is not taken off. Radii are from the slewing "
+        "axis to the tip; each load is that of the best posture.",
+        f"Cylinders push and pull with their working pressure on piston or annulus, the other side empty: "
+        f"{', '.join(bears) or 'none'}. The crane's own weight is borne first.",
+        f"Harbour: dynamic factor {rating.harbour_factor:g}, which is the least at sea too.",
+    ]
+    if rating.wave_heights:
+        notes.append(
+            "At sea: dynamic factor 1 + v_r/g sqrt(k/m) with v_r = v_L/2 + sqrt(v_d^2 + v_c^2) (EN 13852-1:2013), "
+            f"hook v_L {hoist.speed / hoist.falls:.3g} m/s, deck v_d = 6 Hs/(Hs + 8), tip v_c = "
+            f"{rating.tip_speed_per_height:g} Hs, k of rope and oil; offlead 2.5 m + 1.5 Hs at the sea's surface."
+        )
+    for at_sea in modes(crane)[1:]:
+        need, have = hook_speed_needed(crane, at_sea), hoist.speed / hoist.falls
+        if have < need:
+            notes.append(f"{at_sea.name}: the hook at {have:.2f} m/s is slower than the {need:.2f} m/s of EN 13852-1")
+    notes.append(f"Heel or trim with the load outboard: {rating.heel / deg:.3g} deg.")
+    if absent:
+        notes.append(f"No limit is given for {', '.join(absent)}: none is checked.")
+    notes.append("Left out: wind, sidelead, side loads from trim, buckling of rods, fatigue, layers on the drum.")
+    return notes
 
 
 def _meeting_speed(crane: Crane, mode: Mode) -> float:

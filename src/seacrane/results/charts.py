@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -20,6 +20,25 @@ _CAP = 4.0
 """Loads beyond so many times their median are drawn as that."""
 
 NOT_CERTIFIED = "Computed from a design. Not a certified load chart."
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A body from the side: triangles (n, 3, 2) of what it hides, and the edges (m, 2, 2) that are drawn of it [m]."""
+
+    covers: Vector
+    edges: Vector
+
+
+def draw_shapes(axes: Axes, shapes: Sequence[Shape]) -> None:
+    """Bodies in given axes, what is farther away first."""
+    from matplotlib.collections import LineCollection, PolyCollection
+
+    for place, shape in enumerate(shapes):
+        order = 2 + place / (len(shapes) + 1)  # over what is coloured, under what is written
+        if len(shape.covers):
+            axes.add_collection(PolyCollection(list(shape.covers), facecolor="white", linewidths=0, zorder=order))
+        axes.add_collection(LineCollection(list(shape.edges), colors="black", linewidths=0.6, zorder=order))
 
 
 def load_curves(curves: Mapping[str, Line], title: str = "") -> Figure:
@@ -41,19 +60,19 @@ def draw_load_curves(axes: Axes, curves: Mapping[str, Line]) -> None:
     _disclaim(axes)
 
 
-def load_section(radius: Vector, height: Vector, load: Vector, outline: Sequence[Line] = (), title: str = "") -> Figure:
+def load_section(radius: Vector, height: Vector, load: Vector, view: Sequence[Shape] = (), title: str = "") -> Figure:
     """The load [kg] of the best posture over the crane's plane, coloured and contoured.
 
-    radius (n,), height (m,) [m]; load (m, n), nan where the tip cannot be; outline: lines of the crane's picture.
+    radius (n,), height (m,) [m]; load (m, n), nan where the tip cannot be; view: the crane from the side.
     """
     figure, axes = _figure(title)
-    draw_load_section(figure, axes, radius, height, load, outline)
+    draw_load_section(figure, axes, radius, height, load, view)
     _disclaim(axes)
     return figure
 
 
 def draw_load_section(
-    figure: Figure, axes: Axes, radius: Vector, height: Vector, load: Vector, outline: Sequence[Line] = ()
+    figure: Figure, axes: Axes, radius: Vector, height: Vector, load: Vector, view: Sequence[Shape] = ()
 ) -> None:
     """The picture of `load_section` in given axes of a figure."""
     from matplotlib.ticker import MaxNLocator
@@ -70,8 +89,8 @@ def draw_load_section(
     if levels and float(tonnes.min()) < levels[-1]:
         lines = axes.contour(radius, height, tonnes, levels=levels, colors="white", linewidths=0.7)
         axes.clabel(lines, fmt=lambda level: f"{level:g} t", fontsize="x-small")
-    for x, z in outline:
-        axes.plot(x, z, color="black", linewidth=1.2, solid_capstyle="round")
+    draw_shapes(axes, view)
+    axes.autoscale_view()
     beyond: Literal["max", "neither"] = "max" if most > top else "neither"
     beside = axes.inset_axes((1.03, 0.0, 0.04, 1.0))
     figure.colorbar(colours, cax=beside, label="load of the best posture [t]", extend=beyond)
@@ -80,7 +99,7 @@ def draw_load_section(
     axes.set_aspect("equal")
 
 
-def _literal(text: str) -> str:
+def literal(text: str) -> str:
     """A text for matplotlib to draw as it stands, which takes what is between two $ for a formula."""
     return text.replace("$", r"\$")
 
@@ -94,44 +113,5 @@ def _figure(title: str) -> tuple[Figure, Axes]:
 
     figure = Figure(figsize=(8.0, 6.0), layout="constrained")
     if title:
-        figure.suptitle(_literal(title))
+        figure.suptitle(literal(title))
     return figure, figure.subplots()
-
-
-def data_sheet(
-    name: str,
-    about: str,
-    facts: Sequence[tuple[str, str]],
-    drawing: Sequence[Line],
-    curves: Mapping[str, Line],
-    section: tuple[Vector, Vector, Vector],
-    provenance: str,
-) -> bytes:
-    """One landscape A4 page of PDF, without a date: the same content gives the same bytes."""
-    from matplotlib.figure import Figure
-    from matplotlib.layout_engine import ConstrainedLayoutEngine
-
-    figure = Figure(figsize=(11.69, 8.27), layout=ConstrainedLayoutEngine(rect=(0.0, 0.03, 1.0, 0.97)))
-    figure.suptitle(f"{_literal(name)}   data sheet", fontsize="x-large", x=0.02, ha="left", weight="bold")
-    grid = figure.add_gridspec(3, 2, height_ratios=(0.16, 1, 1))
-    head = figure.add_subplot(grid[0, :])
-    head.axis("off")
-    head.text(0.0, 0.9, _literal(about), transform=head.transAxes, va="top", fontsize="small", wrap=True)
-    side = figure.add_subplot(grid[1, 0])
-    for x, z in drawing:
-        side.plot(x, z, color="black", linewidth=0.5)
-    side.set(xlabel="x [m]", ylabel="height above the foot [m]", aspect="equal", title="side view")
-    load = figure.add_subplot(grid[1, 1])
-    draw_load_section(figure, load, *section)
-    load.set_title("harbour", loc="left", fontsize="medium")
-    draw_load_curves(figure.add_subplot(grid[2, 0]), curves)
-    table = figure.add_subplot(grid[2, 1])
-    table.axis("off")
-    for row, (what, value) in enumerate(facts):
-        y = 1.0 - row / max(len(facts), 1)
-        table.text(0.0, y, _literal(what), transform=table.transAxes, va="top", fontsize="small")
-        table.text(0.5, y, _literal(value), transform=table.transAxes, va="top", fontsize="small")
-    figure.text(0.02, 0.003, f"{NOT_CERTIFIED} {provenance}", fontsize="x-small")
-    content = io.BytesIO()
-    figure.savefig(content, format="pdf", metadata={"CreationDate": None})
-    return content.getvalue()

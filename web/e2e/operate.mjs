@@ -22,19 +22,28 @@ async function value(page, id) {
   return text === null ? Number.NaN : Number(text);
 }
 
+/** While a second of simulated time goes by. */
+async function aSecond(page) {
+  const t = await value(page, "sim-time");
+  await until("a second of simulated time", async () => (await value(page, "sim-time")) > t + 1);
+}
+
 /** A reading that changes by less than `tolerance` while a second of simulated time goes by. */
 async function settled(page, id, tolerance) {
   return until(`${id} to settle within ${tolerance}`, async () => {
-    const [before, t] = [await value(page, id), await value(page, "sim-time")];
-    await until("a second of simulated time", async () => (await value(page, "sim-time")) > t + 1);
+    const before = await value(page, id);
+    await aSecond(page);
     const after = await value(page, id);
     return Math.abs(after - before) < tolerance ? { value: after } : null;
   }).then(({ value }) => value);
 }
 
+/** What is drawn in software takes the longer the larger it is; pictures to look at are taken at the end. */
+const SMALL = { width: 1280, height: 480 };
+
 async function open(address, options = {}) {
   const context = await browser.newContext({
-    viewport: { width: 1600, height: 900 },
+    viewport: SMALL,
     acceptDownloads: true,
     ...options,
   });
@@ -50,12 +59,11 @@ async function open(address, options = {}) {
 
 /** The link holds and time runs on: compiling shaders may stall a page for so long that the server lets it go once. */
 async function steady(page) {
+  const running = async () => (await page.getByTestId("state").getAttribute("data-state")) === "running";
   await until("a steady link", async () => {
-    const t = await value(page, "sim-time");
-    await pause(1500);
-    return (
-      (await page.getByTestId("state").getAttribute("data-state")) === "running" && (await value(page, "sim-time")) > t
-    );
+    await until("the page to run", running);
+    await aSecond(page);
+    return running();
   });
 }
 
@@ -139,11 +147,8 @@ test("two pages on one simulation agree, and only one drives until the other tak
     );
     return states.every((state) => state === "paused");
   });
-  await pause(700);
-  for (const id of ["sim-time", "reading-boom", "reading-jib", "reading-slew", "reading-radius", "reading-load"]) {
-    const [a, b] = await Promise.all([value(first, id), value(second, id)]);
-    assert.equal(a, b, `${id} is ${a} on one page and ${b} on the other`);
-  }
+  for (const id of ["sim-time", "reading-boom", "reading-jib", "reading-slew", "reading-radius", "reading-load"])
+    await until(`the same ${id} on both pages`, async () => (await value(first, id)) === (await value(second, id)));
   await first.getByTestId("pause").click();
   await steady(first);
   await second.getByTestId("take-over").click();
@@ -160,7 +165,7 @@ test("two pages on one simulation agree, and only one drives until the other tak
 });
 
 test("a gamepad drives only with its button held", async () => {
-  const context = await browser.newContext({ viewport: { width: 1280, height: 720 } });
+  const context = await browser.newContext({ viewport: SMALL });
   await context.addInitScript(() => {
     window.pad = {
       connected: true,
@@ -175,7 +180,7 @@ test("a gamepad drives only with its button held", async () => {
   await page.waitForSelector("[data-testid=scene][data-ready=true]", { timeout: PATIENCE });
   await steady(page);
   const rest = await settled(page, "reading-jib", 0.2);
-  await pause(1500);
+  await aSecond(page);
   assert.equal(await page.getByTestId("deadman").getAttribute("data-on"), "false");
   await page.evaluate(() => {
     window.pad.buttons = window.pad.buttons.map((_, i) => ({ pressed: i === 5 }));
@@ -209,7 +214,7 @@ test("a plot follows a variable chosen from the tree, and its CSV holds what was
 
   await first.getByTestId("plot-hold").click();
   await until("the plot to hold", async () => (await panel.getAttribute("data-held")) === "true");
-  await pause(500);
+  await aSecond(first);
   const held = await points();
   const csv = await csvOf(first, "download-plotted");
   assert.deepEqual(csv.header, [
@@ -250,12 +255,32 @@ test("the help opens with a question mark and closes with escape", async () => {
   await first.getByRole("dialog").waitFor({ state: "detached" });
 });
 
-test("every view is drawn", async () => {
+test("every view is drawn anew, and a crane that stands still is not", async () => {
+  await first.setViewportSize({ width: 1600, height: 900 });
+  await first.getByTestId("pause").click();
+  await until(
+    "the page to pause",
+    async () => (await first.getByTestId("state").getAttribute("data-state")) === "paused",
+  );
+  const canvas = first.locator("[data-testid=scene] canvas");
+  const drawn = async () => Number(await canvas.getAttribute("data-drawn"));
+  /** Once all that was asked for is drawn. */
+  const still = () =>
+    until("the picture to stand still", async () => {
+      const before = await drawn();
+      await pause(1000);
+      return (await drawn()) === before;
+    });
+  await still();
+  const pictures = new Set();
   for (const view of ["side", "deck", "cab", "hook", "overview"]) {
+    const before = await drawn();
     await first.getByTestId(`view-${view}`).click();
-    await pause(3000);
-    await first.screenshot({ path: join(output, `${view}.png`) });
+    await until(`the view ${view} to be drawn`, async () => (await drawn()) > before);
+    pictures.add((await canvas.screenshot({ path: join(output, `${view}.png`) })).toString("base64"));
   }
+  assert.equal(pictures.size, 5, "no two views are alike");
+  await still();
   assert.deepEqual(first.errors, []);
 });
 

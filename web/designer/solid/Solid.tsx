@@ -7,6 +7,7 @@ import { ofPart } from "../../core/design/mass";
 import { furnished } from "../../core/design/standard";
 import type { Crane } from "../../core/design/types";
 import type { Reach } from "../../core/design/volume";
+import { SOFTWARE } from "../../core/software";
 import { DEGREE, fixed, symbol, TONNE } from "../../core/units";
 import { useBench, useDesigner, useView } from "../context";
 import { pedestal } from "../section/pedestal";
@@ -68,8 +69,8 @@ export default function Solid() {
       {built ? (
         <Canvas
           frameloop="demand"
-          dpr={[1, 2]}
-          gl={{ localClippingEnabled: true }}
+          dpr={SOFTWARE ? 1 : [1, 2]}
+          gl={{ localClippingEnabled: true, antialias: !SOFTWARE }}
           camera={{ up: [0, 0, 1], fov: FIELD }}
           onCreated={({ gl }) => {
             gl.domElement.dataset.ready = "true";

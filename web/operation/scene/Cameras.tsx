@@ -17,6 +17,7 @@ export function Cameras({ view, request }: { view: View; request: number }) {
   const controls = useRef<Controls>(null);
   const camera = useThree((state) => state.camera) as PerspectiveCamera;
   const size = useThree((state) => state.size);
+  const invalidate = useThree((state) => state.invalidate);
   const foot = useMemo(() => new Vector3(...director.model.crane.pedestal), [director]);
   const placed = useRef("");
   const scratch = useMemo(
@@ -38,6 +39,9 @@ export function Cameras({ view, request }: { view: View; request: number }) {
     camera.far = 20_000;
     camera.updateProjectionMatrix();
   }, [camera, size]);
+
+  // biome-ignore lint/correctness/useExhaustiveDependencies: another view is drawn even of a scene that stands still
+  useEffect(() => invalidate(), [invalidate, view, request]);
 
   useFrame(() => {
     if (!director.ready) return;

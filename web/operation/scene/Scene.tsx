@@ -1,13 +1,14 @@
 import { Canvas, useFrame } from "@react-three/fiber";
 import { useMemo, useRef } from "react";
 import { ACESFilmicToneMapping, Object3D, PCFShadowMap, Vector3 } from "three";
+import { SOFTWARE } from "../../core/software";
 import type { ModelDescription } from "../../rpc/messages";
 import type { Session } from "../session";
 import type { View } from "../views";
 import { Cameras } from "./Cameras";
 import { Crane } from "./Crane";
 import { Director, DirectorContext } from "./director";
-import { Economy, SOFTWARE } from "./economy";
+import { Economy } from "./economy";
 import { Hoist } from "./Hoist";
 import { Sea } from "./Sea";
 import { Ship } from "./Ship";
@@ -33,7 +34,7 @@ export default function Scene({ session, model, view, request, onReady }: Props)
     <Canvas
       shadows={{ type: PCFShadowMap }}
       dpr={SOFTWARE ? 1 : [1, 2]}
-      frameloop={SOFTWARE ? "demand" : "always"}
+      frameloop="demand"
       camera={{ fov: 38, near: 0.4, far: 20_000, position: [-86, 53, 25] }}
       gl={{
         antialias: !SOFTWARE,
@@ -44,7 +45,7 @@ export default function Scene({ session, model, view, request, onReady }: Props)
     >
       <DirectorContext value={director}>
         <Conductor director={director} onReady={onReady} />
-        {SOFTWARE && <Economy />}
+        <Economy />
         <Sky sun={SUN} />
         <Sunlight />
         <Sea />
@@ -60,11 +61,12 @@ export default function Scene({ session, model, view, request, onReady }: Props)
   );
 }
 
-/** Brings the picture up to now before anything is drawn. */
+/** Brings the picture up to now before anything is drawn; the canvas says how often it was. */
 function Conductor({ director, onReady }: { director: Director; onReady: () => void }) {
   const told = useRef(false);
-  useFrame(() => {
+  useFrame(({ gl }) => {
     director.update(performance.now());
+    gl.domElement.dataset.drawn = String(Number(gl.domElement.dataset.drawn ?? 0) + 1);
     if (director.ready && !told.current) {
       told.current = true;
       onReady();
@@ -82,7 +84,7 @@ function Sunlight() {
         intensity={2.6}
         color="#fff1dc"
         castShadow
-        shadow-mapSize={[2048, 2048]}
+        shadow-mapSize={SOFTWARE ? [1024, 1024] : [2048, 2048]}
         shadow-camera-left={-70}
         shadow-camera-right={70}
         shadow-camera-top={60}

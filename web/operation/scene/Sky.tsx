@@ -15,6 +15,7 @@ import {
   type Vector3,
   WebGLCubeRenderTarget,
 } from "three";
+import { SOFTWARE } from "../../core/software";
 
 export const HORIZON = new Color("#aebfca");
 
@@ -60,7 +61,7 @@ const fragmentShader = /* glsl */ `
 export function Sky({ sun }: { sun: Vector3 }) {
   const { gl, scene } = useThree();
   useEffect(() => {
-    const target = new WebGLCubeRenderTarget(512, {
+    const target = new WebGLCubeRenderTarget(SOFTWARE ? 128 : 512, {
       type: HalfFloatType,
       generateMipmaps: true,
       minFilter: LinearMipmapLinearFilter,

@@ -1,37 +1,40 @@
-// Where no graphics card draws (a remote desktop, a test machine), the processor does, and the simulation may need it.
+// When the scene is drawn. Where the processor draws, the simulation may need it.
 import { useThree } from "@react-three/fiber";
 import { useEffect } from "react";
-
-/** Whether WebGL is drawn in software here. */
-export const SOFTWARE = drawnInSoftware();
+import { SOFTWARE } from "../../core/software";
+import { useDirector } from "./director";
 
 const SHORTEST_PAUSE = 60;
 const LONGEST_PAUSE = 1000;
 const SHADOW_EVERY = 8;
 
-function drawnInSoftware(): boolean {
-  const gl = document.createElement("canvas").getContext("webgl2");
-  if (!gl) return false;
-  const info = gl.getExtension("WEBGL_debug_renderer_info");
-  const name = String(info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : gl.getParameter(gl.RENDERER));
-  gl.getExtension("WEBGL_lose_context")?.loseContext();
-  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
-}
-
-/** Draws on demand: one frame, then a pause as long as the frame took, and shadows only now and then. */
+/**
+ * Draws as the simulation moves on, and nothing while it stands still; what moves the camera asks for its own frames. In
+ * software a frame is followed by a pause as long as it took, and shadows are drawn only now and then.
+ */
 export function Economy() {
+  const director = useDirector();
   const invalidate = useThree((state) => state.invalidate);
   const gl = useThree((state) => state.gl);
   useEffect(() => {
     let timer: ReturnType<typeof setTimeout>;
     let request = 0;
     let frames = 0;
-    gl.shadowMap.autoUpdate = false;
+    let shown = Number.NaN;
+    gl.shadowMap.autoUpdate = !SOFTWARE;
     const draw = () => {
       const begun = performance.now();
-      gl.shadowMap.needsUpdate = frames % SHADOW_EVERY === 0;
-      frames += 1;
-      invalidate();
+      const time = director.session.picture(begun)?.time;
+      if (time !== shown) {
+        shown = time ?? Number.NaN;
+        gl.shadowMap.needsUpdate = frames % SHADOW_EVERY === 0;
+        frames += 1;
+        invalidate();
+      }
+      if (!SOFTWARE) {
+        request = requestAnimationFrame(draw);
+        return;
+      }
       // The second animation frame comes when the first has been drawn.
       request = requestAnimationFrame(() => {
         request = requestAnimationFrame(() => {
@@ -46,6 +49,6 @@ export function Economy() {
       cancelAnimationFrame(request);
       gl.shadowMap.autoUpdate = true;
     };
-  }, [invalidate, gl]);
+  }, [invalidate, gl, director]);
   return null;
 }

@@ -136,6 +136,8 @@ def test_a_crane_that_cannot_be_operated_or_a_posture_it_cannot_take_is_refused_
                 ({"design": offshore, "posture": {"luf": 0.5}}, "is not a joint of the crane"),
                 ({"design": offshore, "posture": {"luff": "up"}}, "must be numbers"),
                 ({"design": offshore, "load": 1e9}, "load"),
+                ({"design": offshore, "hs": 40}, "40 m is out of range"),
+                ({"design": offshore, "hs": "calm"}, "must be numbers"),
                 ({"design": 3}, "does not hold a crane"),
                 ([], "must be a JSON object"),
             ):

@@ -13,6 +13,7 @@ import pytest
 
 from seacrane import design
 from seacrane.design import chart, geometry, planar
+from seacrane.units import GRAVITY, bar
 
 Browse = Callable[..., Any]
 
@@ -54,13 +55,32 @@ def same_curve(crane: design.Crane, mode: chart.Mode, curve: list[float | None])
         assert curve[band] == pytest.approx(best, rel=0.02), (mode.name, middle)
 
 
-def test_a_cell_of_the_chart_starts_the_simulation_in_its_posture_with_its_load(designer: str, browse: Browse) -> None:
+def test_a_cell_of_the_chart_starts_the_simulation_in_its_posture_with_its_load_which_it_holds(
+    designer: str, browse: Browse
+) -> None:
     seen = browse("chart.mjs", designer, "simulates_from_a_cell_of_the_chart")
     crane = design.load("offshore-100t")
-    x, _, z = geometry.tip(crane, seen["posture"])
+    posture = seen["posture"]
+    x, _, z = geometry.tip(crane, posture)
     assert (x, z) == pytest.approx(seen["at"], abs=0.3)
-    load = min(chart.each_limit(crane, seen["posture"]).values())
+    load = min(chart.each_limit(crane, posture).values())
     assert seen["load"] == pytest.approx(load, rel=1e-9)
     pointed = float(re.match(r"[\d.]+", seen["pointed"]).group())  # type: ignore[union-attr]
     assert pointed == pytest.approx(load / 1e3, abs=0.2)
-    assert seen["boom"] == pytest.approx(math.degrees(seen["posture"]["luff"]), abs=2)
+    # in harbour, on calm water, ten seconds later
+    assert seen["hs"] == 0
+    held = seen["held"]
+    assert held["boom"] == pytest.approx(math.degrees(posture["luff"]), abs=0.2)
+    assert held["radius"] == pytest.approx(geometry.radius(crane, posture), abs=0.1)
+    for axis, pressure in held["pressures"].items():
+        assert pressure == pytest.approx(static_pressure(crane, posture, load, f"{axis}_cylinder"), abs=2.0)
+
+
+def static_pressure(crane: design.Crane, posture: dict[str, float], load: float, name: str) -> float:
+    """On the piston side of a pushing cylinder, the rod side empty, by the statics of the load chart [bar]."""
+    plane = planar.Plane(crane, {joint: np.asarray(q) for joint, q in posture.items()})
+    cylinder = crane.cylinder(name)
+    lifted = plane.by_joint(cylinder.moves, plane.tip())[1] + plane.rope_by_joint(cylinder.moves) / crane.hoist.falls
+    borne = plane.own_moment(cylinder.moves, (0.0, 1.0)) + (load + crane.hoist.hook_mass) * lifted
+    push = GRAVITY * borne / plane.distance_by_joint(cylinder.moves, cylinder.base, cylinder.eye)
+    return float(push / (cylinder.count * math.pi / 4 * cylinder.bore**2) / bar)

@@ -106,8 +106,8 @@ export async function checked(crane: Crane): Promise<Told[]> {
 }
 
 /** The address of an operation page with this crane in this posture. */
-export async function simulated(crane: Crane, posture: Posture, load: number): Promise<string> {
-  const body = JSON.stringify({ design: JSON.parse(text(crane)), posture, load });
+export async function simulated(crane: Crane, posture: Posture, load: number, waveHeight: number): Promise<string> {
+  const body = JSON.stringify({ design: JSON.parse(text(crane)), posture, load, hs: waveHeight });
   const { address } = await (await post("simulate", body, "application/json")).json();
   return address;
 }

@@ -90,11 +90,18 @@ async function simulates_from_a_cell_of_the_chart(open) {
   ]);
   await operation.locator("[data-testid=state][data-state=running]").waitFor();
   assert.match(await operation.locator("header.live-bar").innerText(), /offshore-100t/);
-  const boom = Number(await operation.getByTestId("reading-boom").getAttribute("data-value"));
-  const { posture, load: hung } = asked.postDataJSON();
+  const reads = async (id) => Number(await operation.getByTestId(id).getAttribute("data-value"));
+  await until("ten seconds of simulated time", async () => (await reads("sim-time")) > 10);
+  const held = {
+    boom: await reads("reading-boom"),
+    radius: await reads("reading-radius"),
+    load: await reads("reading-load"),
+    pressures: { boom: await reads("pressure-boom"), jib: await reads("pressure-jib") },
+  };
+  const { posture, load: hung, hs } = asked.postDataJSON();
   await page.getByTestId("undo").click();
   assert.ok(await page.getByTestId("undo").isDisabled());
-  return { posture, load: hung, pointed, boom, at: [22, 6] };
+  return { posture, load: hung, hs, pointed, held, at: [22, 6] };
 }
 
 await scenarios({ tells_the_load_as_the_rating_changes, simulates_from_a_cell_of_the_chart });

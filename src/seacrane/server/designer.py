@@ -7,7 +7,8 @@
     POST api/design/export      a design -> ZIP (see `design.archive`)
     POST api/design/import      a ZIP -> the design in it
     POST api/design/mesh?name=  a mesh of another program (STL, glTF; &unit= of an STL) -> the part that it is
-    POST api/design/simulate    a design, perhaps posture [rad or m] and load [kg] -> the address of its operation page
+    POST api/design/simulate    a design, perhaps posture [rad or m], load [kg] and hs [m] of the sea -> the address of
+                                its operation page
     POST api/design/change      a design, changes {path: m} -> the design with these sizes (see `design.changes`)
     POST api/design/optimise    a design, variables, goals, generations, population -> the search begins
     GET  api/design/optimise    {running, generations, front, stands, hindered, problems}: the front so far (see
@@ -58,8 +59,8 @@ LARGEST_DESIGN: Final = 16 * 2**20
 class Desk:
     """The designers' server in the running event loop: `await start()`, `await stop()`.
 
-    `factory` names the function that builds a simulation from `crane` (path of a design file), `posture` and `load`.
-    At most one simulation runs at a time: the next takes the place of the last.
+    `factory` names the function that builds a simulation from `crane` (path of a design file), `posture`, `load` and
+    `hs`. At most one simulation runs at a time: the next takes the place of the last.
     """
 
     def __init__(
@@ -175,10 +176,11 @@ class Desk:
     async def _simulate(self, request: Request) -> Response:
         asked = _object(await _body(request, LARGEST_DESIGN))
         crane = design.loads(json.dumps(asked.get("design")))
-        given = {name: asked[name] for name in ("posture", "load") if asked.get(name) is not None}
+        given = {name: asked[name] for name in ("posture", "load", "hs") if asked.get(name) is not None}
         posture = given.get("posture", {})
-        if not isinstance(posture, dict) or not all(_number(q) for q in (*posture.values(), given.get("load", 0))):
-            raise DesignError.at("posture, load", "must be numbers: rad (or m) by joint, and kg")
+        numbers = (given.get("load", 0), given.get("hs", 0))
+        if not isinstance(posture, dict) or not all(_number(q) for q in (*posture.values(), *numbers)):
+            raise DesignError.at("posture, load, hs", "must be numbers: rad (or m) by joint, kg and m")
         async with self._starting:
             path = Path(self._folder.name) / f"{secrets.token_hex(8)}.json"
             design.save(crane, path)

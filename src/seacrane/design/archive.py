@@ -154,7 +154,7 @@ def _files(crane: Crane) -> Iterator[tuple[str, bytes]]:
     for link, shape in shapes.items():
         yield f"meshes/{stems[link]}.glb", gltf(shape, link)
         yield stl[link], stereolithography(shape)
-    yield "mass_properties.json", _json(_masses(whole))
+    yield "mass_properties.json", _json(_masses(crane, whole))
     yield "load_chart.csv", chart.to_csv(rows).encode()
     yield (
         "load_chart.json",
@@ -190,13 +190,15 @@ def _trimesh(shape: Mesh) -> Any:
     return trimesh.Trimesh(shape.vertices, shape.faces, process=False)
 
 
-def _masses(crane: Crane) -> dict[str, Any]:
+def _masses(crane: Crane, whole: Crane) -> dict[str, Any]:
+    """Of each link as the design has it, and of its parts in the `whole` crane, where every link has some."""
     result = {}
-    for link in crane.links:
+    for link in whole.links:
         body = mass.of_link(link)
         result[link.name] = {
             "design": {"mass_kg": link.mass, "centre_m": link.com, "inertia_kg_m2": link.inertia},
             "parts": {
+                "from": "the design" if crane.link(link.name).parts else "standard parts, the link has none of its own",
                 "mass_kg": body.mass,
                 "centre_m": body.centre.tolist(),
                 "inertia_kg_m2": body.inertia.tolist(),

@@ -95,6 +95,13 @@ def cylinder_range(crane: Crane, cylinder: Cylinder) -> tuple[float, float]:
     return float(lengths.min()), float(lengths.max())
 
 
+def longest_lever(crane: Crane, cylinder: Cylinder) -> float:
+    """The longest lever |d(length)/d(coordinate)| of a cylinder in its joint's travel [m/rad, or 1], to about 0.1 %."""
+    low, high = next(joint.limits for joint in crane.joints if joint.name == cylinder.moves) or (0.0, 0.0)
+    lengths = _lengths_over_travel(crane, cylinder)
+    return float(np.abs(np.gradient(lengths, (high - low) / (_SAMPLES - 1), edge_order=2)).max())
+
+
 def extends_upward(crane: Crane, cylinder: Cylinder) -> bool | None:
     """Whether the joint of a cylinder goes up as the cylinder comes out; none if it passes a dead point on the way."""
     steps = np.diff(_lengths_over_travel(crane, cylinder))

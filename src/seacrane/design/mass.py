@@ -31,6 +31,12 @@ class MassProperties:
     inertia: Array
 
 
+def volume(surface: Mesh) -> float:
+    """What a closed mesh encloses [m3]; negative if it is inside out."""
+    a, b, c = (surface.vertices[surface.faces[:, k]] for k in range(3))
+    return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6
+
+
 def of_mesh(surface: Mesh, density: float) -> MassProperties:
     """Mass properties of what a closed mesh encloses, at a density [kg/m3]."""
     a, b, c = (surface.vertices[surface.faces[:, k]] for k in range(3))

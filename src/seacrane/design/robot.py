@@ -2,7 +2,8 @@
 
 Both hold links, joints with their limits, masses, centres and moments of inertia, and the meshes of the links by file
 name. The foot is the fixed base, z up. MJCF also has the cylinders, as tendons between their pins with a motor of the
-cylinder's force on each; URDF has no such thing, and its joints take the effort of no one.
+cylinder's force on each; URDF has no such thing: the effort of a joint there is what its cylinders push with on their
+longest lever.
 """
 
 from __future__ import annotations
@@ -13,9 +14,10 @@ from xml.etree import ElementTree
 
 from seacrane.design.chart import forces
 from seacrane.design.crane import FOOT, Attachment, Crane, Joint
+from seacrane.design.geometry import longest_lever
 
 _LARGE = 1e9
-"""Effort and speed of a URDF joint, which URDF demands and a design does not know [N.m, rad/s]."""
+"""Effort or speed of a URDF joint [N.m or N, rad/s or m/s], which URDF demands, where a design does not know it."""
 
 
 def mjcf(crane: Crane, meshes: Mapping[str, str] | None = None) -> str:
@@ -92,13 +94,18 @@ def urdf(crane: Crane, meshes: Mapping[str, str] | None = None) -> str:
         ElementTree.SubElement(joint, "parent", link=before)
         ElementTree.SubElement(joint, "child", link=link.name)
         ElementTree.SubElement(joint, "axis", xyz=_numbers(_unit(link.joint)))
-        if limits:
-            low, high = (_number(value) for value in limits)
-            ElementTree.SubElement(
-                joint, "limit", lower=low, upper=high, effort=_number(_LARGE), velocity=_number(_LARGE)
-            )
+        bounds = dict(zip(("lower", "upper"), map(_number, limits or ()), strict=False))
+        speed = crane.slew.speed if crane.slew and crane.slew.joint == link.joint.name else _LARGE
+        bounds |= {"effort": _number(_effort(crane, link.joint)), "velocity": _number(speed)}
+        ElementTree.SubElement(joint, "limit", bounds)
         before = link.name
     return _text(root)
+
+
+def _effort(crane: Crane, joint: Joint) -> float:
+    """The most that the cylinders of a joint give it in its travel [N.m or N]."""
+    found = [longest_lever(crane, c) * max(forces(c)) for c in crane.cylinders if c.moves == joint.name]
+    return max(found, default=_LARGE)
 
 
 def _sites(body: ElementTree.Element, crane: Crane, link: str) -> None:

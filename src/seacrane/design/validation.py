@@ -15,6 +15,7 @@ from typing import Final
 
 import numpy as np
 
+from seacrane.design import mass
 from seacrane.design.crane import FOOT, Crane
 from seacrane.design.geometry import cylinder_range, retracted_length
 from seacrane.design.mesh import decoded, open_edges
@@ -246,6 +247,8 @@ def _surface(path: str, surface: str) -> Iterator[Problem]:
         yield Problem(path, "has no triangles, or corners that are not finite")
     elif edges := open_edges(shape):
         yield Problem(path, f"is not closed, so it has no mass: {edges} edges are open or turned the wrong way")
+    elif not 0 < mass.volume(shape) < math.inf:
+        yield Problem(path, "is inside out or encloses no volume, so it has no mass")
 
 
 def _bounds_of(part: Tree) -> Iterator[tuple[str, float, str]]:

@@ -10,6 +10,7 @@ import math
 import tracemalloc
 import zipfile
 from pathlib import Path, PureWindowsPath
+from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
@@ -17,8 +18,9 @@ import pytest
 import trimesh
 
 from seacrane import design
-from seacrane.design import Crane, archive, chart, geometry, mass, mesh, robot, standard
+from seacrane.design import Crane, archive, chart, geometry, mass, mesh, planar, robot, standard
 from seacrane.errors import DesignError
+from seacrane.units import GRAVITY
 
 
 @pytest.fixture(scope="module")
@@ -53,6 +55,10 @@ def test_the_archive_says_what_it_was_made_from(exported: Path) -> None:
         assert written["design_sha256"] == hashlib.sha256(files.read("design.json")).hexdigest()
         assert "Not a certified load chart" in written["notice"]
         assert files.read("sheet.pdf").startswith(b"%PDF-")
+        masses = json.loads(files.read("mass_properties.json"))["links"]["boom"]
+        assert masses["design"]["mass_kg"] == 48e3
+        assert masses["parts"]["from"] == "standard parts, the link has none of its own"
+        assert any("dynamic factor 1.1" in text for text in json.loads(files.read("load_chart.json"))["conditions"])
 
 
 def test_the_chart_in_the_archive_is_that_of_the_design(exported: Path) -> None:
@@ -103,6 +109,48 @@ def test_mujoco_finds_the_tip_the_cylinders_and_the_masses_of_the_mjcf_where_the
     other = mujoco.MjModel.from_xml_string(robot.urdf(crane))
     assert other.nv == len(crane.joints)
     assert other.body_mass.sum() == pytest.approx(sum(link.mass for link in crane.links))
+
+
+@pytest.mark.parametrize("name", design.names())
+def test_a_joint_of_the_urdf_takes_what_its_cylinders_give_in_the_mjcf(name: str) -> None:
+    crane = design.load(name)
+    model = mujoco.MjModel.from_xml_string(robot.mjcf(crane))
+    data, step = mujoco.MjData(model), 1e-5
+    limits = {
+        joint.get("name"): joint.find("limit").attrib
+        for joint in ElementTree.fromstring(robot.urdf(crane)).iter("joint")
+    }
+    for c in crane.cylinders:
+        most = 0.0
+        for q in np.linspace(*model.joint(c.moves).range, 200):
+            lengths = []
+            for shift in (-step, step):
+                data.joint(c.moves).qpos = q + shift
+                mujoco.mj_forward(model, data)
+                lengths.append(float(data.ten(c.name).length[0]))
+            lever = abs(lengths[1] - lengths[0]) / (2 * step)
+            most = max(most, lever * float(np.abs(model.actuator(c.name).ctrlrange).max()))
+        assert float(limits[c.moves]["effort"]) == pytest.approx(most, rel=2e-3)
+    if crane.slew:
+        assert float(limits[crane.slew.joint]["velocity"]) == crane.slew.speed
+        assert "lower" not in limits[crane.slew.joint]
+
+
+def test_the_weight_that_mujoco_finds_on_each_joint_is_what_the_chart_bears_first() -> None:
+    random = np.random.default_rng(8)
+    for name in design.names():
+        crane = design.load(name)
+        model = mujoco.MjModel.from_xml_string(robot.mjcf(crane))
+        data = mujoco.MjData(model)
+        for _ in range(3):
+            at = {joint.name: float(random.uniform(*joint.limits)) for joint in planar.plane_joints(crane)}
+            for joint, q in at.items():
+                data.joint(joint).qpos = q
+            mujoco.mj_forward(model, data)
+            plane = planar.Plane(crane, {joint: np.asarray(q) for joint, q in at.items()})
+            for joint in at:
+                own = GRAVITY * float(plane.own_moment(joint, (0.0, 1.0)))
+                assert float(data.joint(joint).qfrc_bias[0]) == pytest.approx(own, rel=1e-9, abs=1e-3)
 
 
 def test_the_mjcf_of_the_archive_loads_with_its_meshes(exported: Path) -> None:

@@ -230,3 +230,47 @@ def test_a_surface_in_a_design_file_must_be_closed() -> None:
     assert first.path == "links[column].parts[holed].surface"
     assert "is not closed" in first.message
     assert "is not a binary STL" in second.message
+
+
+def test_a_mesh_inside_out_is_turned_and_one_that_encloses_nothing_refused() -> None:
+    solid = trimesh.creation.box((2.0, 0.5, 1.0))
+    solid.invert()
+    assert solid.volume < 0
+    part = imported.part(solid.export(file_type="stl"), "turned.stl")
+    assert mass.of_part(part).mass == pytest.approx(STEEL * 1.0)
+    flat = trimesh.Trimesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 1)], process=False)
+    with pytest.raises(DesignError, match="encloses no volume, so it has no mass"):
+        imported.part(flat.export(file_type="stl"), "flat.stl")
+    crane = design.load("a-frame-30t")
+    inner = mesh.Mesh(mesh.decoded(part.surface).vertices, mesh.decoded(part.surface).faces[:, ::-1])
+    spoilt = msgspec.structs.replace(part, surface=mesh.encoded(inner))
+    links = (msgspec.structs.replace(crane.links[0], parts=(spoilt,)), *crane.links[1:])
+    (problem,) = design.check(msgspec.structs.replace(crane, links=links))
+    assert problem.path == "links[frame].parts[turned].surface"
+    assert "is inside out or encloses no volume" in problem.message
+
+
+def test_a_mesh_that_asks_for_more_than_a_part_is_refused_at_once() -> None:
+    whole = trimesh.Scene(trimesh.creation.box()).export(file_type="glb")
+    size = int.from_bytes(whole[12:16], "little")
+    tree, rest = json.loads(whole[20 : 20 + size]), whole[20 + size :]
+
+    def packed(changed: object) -> bytes:
+        text = json.dumps(changed).encode()
+        text += b" " * (-len(text) % 4)
+        length = (20 + len(text) + len(rest)).to_bytes(4, "little")
+        return whole[:8] + length + len(text).to_bytes(4, "little") + b"JSON" + text + rest
+
+    assert mass.of_part(imported.part(packed(tree), "box.glb")).mass == pytest.approx(STEEL)
+    nodes = [{"mesh": 0, "translation": [3.0 * i, 0, 0]} for i in range(200_000)]
+    crowd = tree | {"nodes": nodes, "scenes": [{"nodes": list(range(len(nodes)))}], "scene": 0}
+    empty = tree | {"accessors": [{"componentType": 5126, "count": 2**28, "type": "VEC3"}]}
+    for changed in (crowd, empty):
+        with pytest.raises(DesignError, match="has too many nodes or numbers for a part"):
+            imported.part(packed(changed), "many.glb")
+    for odd, words in (([], "cannot be read as a mesh"), (tree | {"nodes": 3}, "its nodes and accessors are no lists")):
+        with pytest.raises(DesignError, match=words):
+            imported.part(packed(odd), "odd.glb")
+    fine = trimesh.creation.icosphere(subdivisions=7)
+    with pytest.raises(DesignError, match=r"has too many triangles for a part \(got 327680\); allowed: at most 100000"):
+        imported.part(fine.export(file_type="stl"), "fine.stl")

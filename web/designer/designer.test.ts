@@ -10,7 +10,10 @@ import { bare, newCrane, scaled } from "../core/design/newCrane";
 import { firstItem } from "../core/design/newPart";
 import { frames, outOf, tip } from "../core/design/plane";
 import { furthestLoad } from "../core/design/rated";
+import { furnished } from "../core/design/standard";
 import { type Crane, HARBOUR, planeJoints } from "../core/design/types";
+import { takenBy } from "./panels/Form";
+import { placeOf } from "./panels/Problems";
 import { unheld } from "./panels/Verdict";
 import { grips } from "./section/handles";
 import { framed, toMetres, toPixels, zoomed } from "./section/window";
@@ -235,6 +238,36 @@ describe("building a chain", () => {
     expect(b.radius[0]).toBeCloseTo(2 * a.radius[0], 9);
     expect(b.load[0] / a.load[0]).toBeCloseTo(4, 6);
     expect(problems(twice)).toEqual([]);
+  });
+});
+
+describe("the place of a problem", () => {
+  it("is where its fields are: part, link, cylinder, hoist, rating, or the crane", () => {
+    const crane = furnished(offshore);
+    const eye = crane.links[1].parts!.findIndex(({ name }) => name === "boom_cylinder eye 2");
+    expect(placeOf(crane, "links[boom].parts[boom_cylinder eye 2].hole")).toEqual({
+      kind: "link",
+      index: 1,
+      part: eye,
+    });
+    expect(placeOf(crane, "links[jib].joint.limits")).toEqual({ kind: "link", index: 2, part: undefined });
+    expect(placeOf(crane, "cylinders[jib_cylinder].stroke")).toEqual({ kind: "cylinder", index: 1 });
+    expect(placeOf(crane, "hoist.sheaves")).toEqual({ kind: "hoist" });
+    expect(placeOf(crane, "rating.wave_heights")).toEqual({ kind: "rating" });
+    expect(placeOf(crane, "capacity")).toEqual({ kind: "crane" });
+  });
+});
+
+describe("names", () => {
+  it("that others have are refused in words, those that are free are taken", () => {
+    expect(takenBy(offshore, ["links", 1, "name"], "jib")).toBe("jib is the name of another link");
+    expect(takenBy(offshore, ["links", 1, "name"], "foot")).toContain("ship");
+    expect(takenBy(offshore, ["links", 1, "joint", "name"], "slew")).toBe("slew is the name of another joint");
+    expect(takenBy(offshore, ["cylinders", 0, "name"], "jib_cylinder")).toBe(
+      "jib_cylinder is the name of another cylinder",
+    );
+    expect(takenBy(offshore, ["links", 1, "name"], "mast")).toBe(null);
+    expect(takenBy(offshore, ["cylinders", 0, "moves"], "jib")).toBe(null);
   });
 });
 

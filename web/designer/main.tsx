@@ -5,11 +5,12 @@ import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { App } from "./App";
 import { Charts } from "./charts";
+import { keepChecked } from "./checking";
 import { createLayout } from "./layout";
 import { openLink } from "./link";
 import { autosave, recovered } from "./saving";
 import { createSearch } from "./search";
-import { given } from "./server";
+import { checked, given, placed } from "./server";
 import { SHIPPED } from "./shipped";
 import { createDesigner } from "./store";
 import { createView } from "./view";
@@ -36,6 +37,7 @@ if (kept && asked && asked.name !== kept.crane.name) {
   const time = new Date(kept.at).toLocaleString(undefined, { dateStyle: "medium", timeStyle: "short" });
   designer.tell(`Recovered the work on ${first.name} of ${time}. New starts another crane.`);
 }
+keepChecked(designer, async (crane) => (await checked(crane)).map(placed));
 autosave(designer, (reason) => designer.tell(reason, "wrong"));
 
 const bench = {

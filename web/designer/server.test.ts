@@ -2,6 +2,7 @@ import { afterEach, describe, expect, it, vi } from "vitest";
 import fixture from "../../tests/fixtures/crane_kinematics.json";
 import type { Crane } from "../core/design/types";
 import { judge } from "./files";
+import { placed } from "./server";
 
 const crane = fixture.crane as unknown as Crane;
 const answering = (problems: unknown[]) =>
@@ -20,6 +21,14 @@ describe("what the package finds wrong", () => {
     await expect(judge(crane)).rejects.toThrow(
       "cylinders[boom].stroke: is too short (got 4.4); allowed: at least 5 m. Move its pins.\nlinks[jib].mass: is missing",
     );
+  });
+
+  it("is told at its place too", () => {
+    const told = { path: "design: links[boom].parts[web].thickness", message: "is too thick", allowed: "below 0.4 m" };
+    expect(placed(told)).toEqual({
+      path: "links[boom].parts[web].thickness",
+      message: "is too thick; allowed: below 0.4 m",
+    });
   });
 
   it("may be nothing", async () => {

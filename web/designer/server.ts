@@ -38,9 +38,18 @@ export interface Told extends Problem {
   readonly hint?: string | null;
 }
 
-export function inWords({ path, message, value, allowed, hint }: Told): string {
+/** A problem in words at its place in the design; the package names first where it read the design from. */
+export function placed(told: Told): Problem {
+  return { path: told.path.replace(/^design: /, ""), message: sentence(told) };
+}
+
+export function inWords(told: Told): string {
+  return `${told.path}: ${sentence(told)}`;
+}
+
+function sentence({ message, value, allowed, hint }: Told): string {
   const got = value ? ` (got ${value})` : "";
-  return `${path}: ${message}${got}${allowed ? `; allowed: ${allowed}` : ""}${hint ? `. ${hint}` : ""}`;
+  return `${message}${got}${allowed ? `; allowed: ${allowed}` : ""}${hint ? `. ${hint}` : ""}`;
 }
 
 /** The archive with everything about the crane. */

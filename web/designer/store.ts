@@ -28,7 +28,9 @@ export interface Designer extends Scene {
   readonly dragging: boolean;
   readonly selection: Selection;
   readonly mode: string;
+  /** What is wrong: what the page itself finds, and what the package found last at other places. */
   readonly problems: readonly Problem[];
+  readonly told: readonly Problem[];
   readonly notice: { readonly text: string; readonly kind: "done" | "wrong" } | null;
 }
 
@@ -41,6 +43,11 @@ export function problemsOf(crane: Crane): Problem[] {
   }
 }
 
+function judged(crane: Crane, told: readonly Problem[]): Pick<Designer, "problems" | "told"> {
+  const found = problemsOf(crane);
+  return { problems: [...found, ...told.filter(({ path }) => !found.some((item) => item.path === path))], told };
+}
+
 export function createDesigner(crane: Crane, posture: Posture = {}) {
   const store = createStore<Designer>(() => opened(crane, posture));
   let before: Scene | null = null;
@@ -48,7 +55,7 @@ export function createDesigner(crane: Crane, posture: Posture = {}) {
   const show = (scene: Scene) =>
     store.setState((now) => ({
       ...scene,
-      problems: scene.crane === now.crane ? now.problems : problemsOf(scene.crane),
+      ...(scene.crane === now.crane ? {} : judged(scene.crane, scene.crane.name === now.crane.name ? now.told : [])),
       mode: modes(scene.crane).some(({ name }) => name === now.mode) ? now.mode : HARBOUR.name,
       selection: present(now.selection, scene.crane),
     }));
@@ -82,6 +89,11 @@ export function createDesigner(crane: Crane, posture: Posture = {}) {
       if (before) show(before);
       before = null;
       store.setState({ dragging: false });
+    },
+
+    /** What the package finds wrong with the crane as it is. */
+    found(told: readonly Problem[]): void {
+      store.setState(({ crane }) => judged(crane, told));
     },
 
     /** One step. A posture that is not given is kept, as far as it fits. */
@@ -161,7 +173,7 @@ function opened(crane: Crane, posture: Posture): Designer {
     dragging: false,
     selection: { kind: "crane" },
     mode: HARBOUR.name,
-    problems: problemsOf(crane),
+    ...judged(crane, []),
     notice: null,
   };
 }

@@ -111,6 +111,8 @@ describe("what belongs together", () => {
   it("sizes that nothing can be made from leave the mass as it was", () => {
     const light = weighed(built);
     const after = changed(light, ["links", 1, "parts", 0], { ...light.links[1].parts![0], thickness: -1 });
-    expect(Number.isFinite(after.links[1].mass)).toBe(true);
+    expect(after.links[1].mass).toBe(light.links[1].mass);
+    const thick = changed(light, ["links", 1, "parts", 0], { ...light.links[1].parts![0], thickness: 2 });
+    expect(thick.links[1].mass).toBe(light.links[1].mass);
   });
 });

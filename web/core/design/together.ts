@@ -107,10 +107,11 @@ function weighedAgain(before: Crane, after: Crane): Crane {
     if (link.parts === was.parts || !link.parts?.length || !followsParts(was)) return link;
     try {
       const { mass, centre, inertia } = ofLink(link);
+      // plates thicker than their part: what cannot be made weighs nothing, and the problem is said where it is
+      if (!(mass > 0 && inertia.slice(0, 3).every((value) => value > 0))) return link;
       changed = true;
       return { ...link, mass, com: centre, inertia: [inertia[0], inertia[1], inertia[2]] as const };
     } catch {
-      // what cannot be made weighs nothing: the problem is said where it is
       return link;
     }
   });

@@ -1,4 +1,4 @@
-import { useId } from "react";
+import { useId, useState } from "react";
 import type { Path } from "../../core/design/edit";
 import { get, set } from "../../core/design/edit";
 import {
@@ -174,11 +174,17 @@ function Text({
       : field.names === "joints"
         ? crane.links.map((link) => link.joint.name)
         : field.choices;
-  const save = (next: string) => {
+  const [refused, setRefused] = useState<string | null>(null);
+  const save = (next: string, element?: HTMLInputElement | HTMLTextAreaElement) => {
+    const reason = next === value ? null : takenBy(crane, path, next);
+    setRefused(reason);
+    if (reason) return;
     if (next && next !== value) designer.apply(field.label, renamed(crane, path, next));
+    else if (element) element.value = value;
   };
+  const message = refused ?? problem;
   return (
-    <div className="field" data-wrong={Boolean(problem)}>
+    <div className="field" data-wrong={Boolean(message)}>
       <label htmlFor={id}>
         <span>{field.label}</span>
         {choices ? (
@@ -193,32 +199,47 @@ function Text({
             key={value}
             rows={2}
             defaultValue={value}
-            onBlur={(event) => save(event.currentTarget.value.trim())}
+            onBlur={(event) => save(event.currentTarget.value.trim(), event.currentTarget)}
           />
         ) : (
           <input
             id={id}
             key={value}
             defaultValue={value}
-            onBlur={(event) => save(event.currentTarget.value.trim())}
+            aria-invalid={Boolean(message)}
+            onBlur={(event) => save(event.currentTarget.value.trim(), event.currentTarget)}
             onKeyDown={(event) => event.key === "Enter" && event.currentTarget.blur()}
           />
         )}
       </label>
-      {problem && <p className="wrong">{problem}</p>}
+      {message && <p className="wrong">{message}</p>}
     </div>
   );
 }
 
-/** The crane with a text set; a name that others refer to changes with them, and must not be taken. */
+/** Why a name cannot be given: what it is the name of already; null if it can, or is none that others refer to. */
+export function takenBy(crane: Crane, path: Path, next: string): string | null {
+  const [group, index, ...rest] = path;
+  const field = rest.join(".");
+  const others = (names: readonly string[]) => names.some((name, i) => name === next && i !== index);
+  if (group === "links" && field === "name") {
+    if (next === FOOT) return `${FOOT} is the ship\u2019s side of the first joint`;
+    return others(crane.links.map(({ name }) => name)) ? `${next} is the name of another link` : null;
+  }
+  if (group === "links" && field === "joint.name")
+    return others(crane.links.map(({ joint }) => joint.name)) ? `${next} is the name of another joint` : null;
+  if (group === "cylinders" && field === "name")
+    return others(crane.cylinders.map(({ name }) => name)) ? `${next} is the name of another cylinder` : null;
+  return null;
+}
+
+/** The crane with a text set; a name that others refer to changes with them. */
 function renamed(crane: Crane, path: Path, next: string): Crane {
   const [group, index, field, inner] = path;
   if (group !== "links" || (field !== "name" && inner !== "name")) return set(crane, path, next);
   const link = crane.links[index as number];
   const joint = field === "joint";
   const old = joint ? link.joint.name : link.name;
-  if (crane.links.some((item) => (joint ? item.joint.name : item.name) === next) || (!joint && next === FOOT))
-    return crane;
   const swap = (text: string) => (text === old ? next : text);
   const at = <T extends { readonly link: string }>(pin: T): T => (joint ? pin : { ...pin, link: swap(pin.link) });
   const changed = set(crane, path, next);

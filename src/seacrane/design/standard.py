@@ -31,7 +31,7 @@ def _built(crane: Crane, index: int) -> Link:
     link = crane.links[index]
     start, end = _ends(crane, index)
     upright = abs(end[1] - start[1]) > abs(end[0] - start[0])
-    fittings = [*_lugs(crane, link, start, end), *_rope(crane, link)]
+    fittings = [*_lugs(crane, link, start, end), *_rope(crane, link, start, end)]
     if upright and index == 0:
         fittings += _upper_works(crane, end[1])
     body = (_column if upright else _girder)(crane, link, start, end)
@@ -129,17 +129,15 @@ def _lugs(crane: Crane, link: Link, start: tuple[float, float], end: tuple[float
 
 def _lug(cylinder: Cylinder, pin: Attachment, side: int, start: tuple[float, float], end: tuple[float, float]) -> Lug:
     """Eye plates on the way from the pin to the nearest point of the link's axis."""
-    dx, dz = end[0] - start[0], end[1] - start[1]
-    length = math.hypot(dx, dz)
-    along = min(max(((pin.x - start[0]) * dx + (pin.z - start[1]) * dz) / length**2, 0.0), 1.0)
+    root_x, root_z = _root(pin, start, end)
     gap = 1.1 * cylinder.bore
     number = "" if cylinder.count == 1 else f" {side + 1}"
     return Lug(
         name=f"{cylinder.name} {'base' if pin is cylinder.base else 'eye'}{number}",
         x=pin.x,
         z=pin.z,
-        root_x=start[0] + along * dx,
-        root_z=start[1] + along * dz,
+        root_x=root_x,
+        root_z=root_z,
         root_width=2.4 * cylinder.bore,
         radius=0.55 * cylinder.bore,
         hole=0.5 * cylinder.bore,
@@ -149,7 +147,35 @@ def _lug(cylinder: Cylinder, pin: Attachment, side: int, start: tuple[float, flo
     )
 
 
-def _rope(crane: Crane, link: Link) -> Iterator[Part]:
+def _root(pin: Attachment, start: tuple[float, float], end: tuple[float, float]) -> tuple[float, float]:
+    """The point of the link's axis nearest to a pin."""
+    dx, dz = end[0] - start[0], end[1] - start[1]
+    along = ((pin.x - start[0]) * dx + (pin.z - start[1]) * dz) / math.hypot(dx, dz) ** 2
+    along = min(max(along, 0.0), 1.0)
+    return start[0] + along * dx, start[1] + along * dz
+
+
+def _bearer(
+    name: str, pin: Attachment, size: float, gap: float, start: tuple[float, float], end: tuple[float, float]
+) -> Iterator[Lug]:
+    """A plate to either side, from the link's axis to a pin of a sheave or drum of this size [m] that stands off it."""
+    root_x, root_z = _root(pin, start, end)
+    if math.hypot(pin.x - root_x, pin.z - root_z) > 0.6 * size:
+        yield Lug(
+            name=f"{name} bracket",
+            x=pin.x,
+            z=pin.z,
+            root_x=root_x,
+            root_z=root_z,
+            root_width=1.8 * size,
+            radius=0.4 * size,
+            hole=0.25 * size,
+            thickness=0.05 * size,
+            gap=gap,
+        )
+
+
+def _rope(crane: Crane, link: Link, start: tuple[float, float], end: tuple[float, float]) -> Iterator[Part]:
     hoist = crane.hoist
     d = hoist.rope.diameter
     for number, pin in enumerate(hoist.sheaves, 1):
@@ -157,8 +183,10 @@ def _rope(crane: Crane, link: Link) -> Iterator[Part]:
             yield Sheave(
                 name=f"sheave {number}", x=pin.x, z=pin.z, radius=10 * d, groove=1.5 * d, width=2.2 * d, hole=2.5 * d
             )
+            yield from _bearer(f"sheave {number}", pin, 10 * d, 3 * d, start, end)
     if hoist.drum.link == link.name:
         r = hoist.drum_radius
+        yield from _bearer("drum", hoist.drum, r, 2.8 * r, start, end)
         yield Drum(
             name="drum", x=hoist.drum.x, z=hoist.drum.z, radius=r, length=2.6 * r, flange=1.5 * r, thickness=0.06 * r
         )

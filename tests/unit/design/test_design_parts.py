@@ -109,6 +109,24 @@ def test_every_design_is_furnished_with_sound_parts_and_keeps_its_masses(name: s
     assert design.loads(design.to_json(furnished)) == furnished
 
 
+def test_sheaves_and_drum_off_the_axis_of_their_link_are_borne_by_plates_that_reach_it() -> None:
+    crane = standard.furnished(design.load("offshore-100t"))
+    for link, name, pin in (
+        ("boom", "sheave 1", crane.hoist.sheaves[0]),
+        ("column", "drum", crane.hoist.drum),
+    ):
+        parts = {part.name: part for part in crane.link(link).parts}
+        bracket, borne = parts[f"{name} bracket"], parts[name]
+        assert isinstance(bracket, Lug)
+        assert isinstance(borne, (Sheave, Drum))
+        assert (bracket.x, bracket.z) == (pin.x, pin.z)
+        across = bracket.root_z if link == "boom" else bracket.root_x
+        assert across == pytest.approx(0.0), "the root is on the axis of the link"
+        wide = borne.width if isinstance(borne, Sheave) else borne.length
+        assert bracket.gap > wide, "it turns between the plates"
+    assert "sheave 2 bracket" not in {part.name for part in crane.link("jib").parts}, "the tip is on the axis"
+
+
 def _arrays(part: Part) -> tuple[np.ndarray, np.ndarray]:
     surface = mesh.mesh(part)
     return surface.vertices, surface.faces

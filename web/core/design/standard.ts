@@ -16,7 +16,7 @@ function built(crane: Crane, index: number): Link {
   const link = crane.links[index];
   const [start, end] = ends(crane, index);
   const upright = Math.abs(end[1] - start[1]) > Math.abs(end[0] - start[0]);
-  const fittings: Part[] = [...lugs(crane, link, start, end), ...rope(crane, link)];
+  const fittings: Part[] = [...lugs(crane, link, start, end), ...rope(crane, link, start, end)];
   if (upright && index === 0) fittings.push(...upperWorks(crane, end[1]));
   const body = upright ? column(crane, link, start, end) : girder(crane, link, start, end);
   const rest = fittings.reduce((sum, part) => sum + ofPart(part).mass, 0);
@@ -116,9 +116,7 @@ function lugs(crane: Crane, link: Link, start: Point, end: Point): Lug[] {
 }
 
 function lug(cylinder: Cylinder, pin: Attachment, side: number, start: Point, end: Point): Lug {
-  const [dx, dz] = [end[0] - start[0], end[1] - start[1]];
-  const length = Math.hypot(dx, dz);
-  const along = Math.min(Math.max(((pin.x - start[0]) * dx + (pin.z - start[1]) * dz) / length ** 2, 0), 1);
+  const [root_x, root_z] = root(pin, start, end);
   const count = cylinder.count ?? 1;
   const gap = 1.1 * cylinder.bore;
   return {
@@ -126,8 +124,8 @@ function lug(cylinder: Cylinder, pin: Attachment, side: number, start: Point, en
     name: `${cylinder.name} ${pin === cylinder.base ? "base" : "eye"}${count === 1 ? "" : ` ${side + 1}`}`,
     x: pin.x,
     z: pin.z,
-    root_x: start[0] + along * dx,
-    root_z: start[1] + along * dz,
+    root_x,
+    root_z,
     root_width: 2.4 * cylinder.bore,
     radius: 0.55 * cylinder.bore,
     hole: 0.5 * cylinder.bore,
@@ -137,9 +135,37 @@ function lug(cylinder: Cylinder, pin: Attachment, side: number, start: Point, en
   };
 }
 
-function rope({ hoist }: Crane, link: Link): (Sheave | Drum)[] {
+function root(pin: Attachment, start: Point, end: Point): Point {
+  const [dx, dz] = [end[0] - start[0], end[1] - start[1]];
+  const length = Math.hypot(dx, dz);
+  const along = Math.min(Math.max(((pin.x - start[0]) * dx + (pin.z - start[1]) * dz) / length ** 2, 0), 1);
+  return [start[0] + along * dx, start[1] + along * dz];
+}
+
+/** A plate to either side, from the link's axis to a pin of a sheave or drum of this size [m] that stands off it. */
+function bearer(name: string, pin: Attachment, size: number, gap: number, start: Point, end: Point): Lug[] {
+  const [root_x, root_z] = root(pin, start, end);
+  if (!(Math.hypot(pin.x - root_x, pin.z - root_z) > 0.6 * size)) return [];
+  return [
+    {
+      kind: "lug",
+      name: `${name} bracket`,
+      x: pin.x,
+      z: pin.z,
+      root_x,
+      root_z,
+      root_width: 1.8 * size,
+      radius: 0.4 * size,
+      hole: 0.25 * size,
+      thickness: 0.05 * size,
+      gap,
+    },
+  ];
+}
+
+function rope({ hoist }: Crane, link: Link, start: Point, end: Point): (Sheave | Drum | Lug)[] {
   const d = hoist.rope.diameter;
-  const fittings: (Sheave | Drum)[] = hoist.sheaves.flatMap((pin, i) =>
+  const fittings: (Sheave | Drum | Lug)[] = hoist.sheaves.flatMap((pin, i) =>
     pin.link === link.name
       ? [
           {
@@ -152,13 +178,14 @@ function rope({ hoist }: Crane, link: Link): (Sheave | Drum)[] {
             width: 2.2 * d,
             hole: 2.5 * d,
           },
+          ...bearer(`sheave ${i + 1}`, pin, 10 * d, 3 * d, start, end),
         ]
       : [],
   );
   if (hoist.drum.link === link.name) {
     const r = hoist.drum_radius;
     const { x, z } = hoist.drum;
-    fittings.push({
+    fittings.push(...bearer("drum", hoist.drum, r, 2.8 * r, start, end), {
       kind: "drum",
       name: "drum",
       x,

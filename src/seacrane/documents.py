@@ -31,7 +31,7 @@ def parsed(content: bytes | str, origin: str, error: type[SeacraneError]) -> Any
         return result
 
     try:
-        text = content.decode("utf-8") if isinstance(content, bytes) else content
+        text = content.decode("utf-8-sig") if isinstance(content, bytes) else content
         return json.loads(text, object_pairs_hook=without_duplicates)
     except UnicodeDecodeError:
         raise error.at(origin, "is not a text file in UTF-8") from None

@@ -21,6 +21,7 @@ import json
 import os
 import re
 import zipfile
+import zlib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, Final
@@ -107,7 +108,7 @@ def unpacked(content: bytes, name: str) -> Crane:
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             return loads(_design_in(archive, name), origin=f"{name}: {DESIGN}")
-    except (zipfile.BadZipFile, EOFError, NotImplementedError, RuntimeError, ValueError) as failure:
+    except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError, OSError) as failure:
         raise DesignError.at(name, f"is not a whole ZIP archive: {failure}") from None
 
 
@@ -132,6 +133,8 @@ def _design_in(archive: zipfile.ZipFile, name: str) -> bytes:
     if len(found) != 1:
         what = "is in the archive twice" if found else "is not in the archive, so it is not a crane"
         raise DesignError.at(f"{name}: {DESIGN}", what)
+    if found[0].compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+        raise DesignError.at(f"{name}: {DESIGN}", "is packed in another way than seacrane packs", allowed="deflated")
     if found[0].file_size > _LARGEST_DESIGN:
         size = f"{found[0].file_size / 2**20:.4g} MiB"
         raise DesignError.at(f"{name}: {DESIGN}", f"is larger than {_LARGEST_DESIGN // 2**20} MiB", value=size)

@@ -189,6 +189,31 @@ def test_a_hostile_archive_is_refused_with_the_reason(files: dict[str, bytes], m
     assert set(tmp_path.iterdir()) == before
 
 
+def test_an_archive_with_any_bytes_changed_is_whole_or_refused(tmp_path: Path) -> None:
+    crane = design.load("offshore-100t")
+    good = design.to_json(crane).encode()
+    whole, random = _zip(tmp_path / "crane.zip", {"design.json": good}).read_bytes(), np.random.default_rng(4)
+    reasons = []
+    for _ in range(400):
+        spoilt = bytearray(whole)
+        for _ in range(random.integers(1, 8)):
+            spoilt[random.integers(len(spoilt))] = random.integers(256)
+        try:
+            assert archive.unpacked(bytes(spoilt), "spoilt.zip") == crane
+        except DesignError as error:
+            reasons.append(str(error))
+    assert len(reasons) > 200
+    assert all(reason.startswith("spoilt.zip") for reason in reasons)
+
+
+@pytest.mark.parametrize("method", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
+def test_a_design_packed_by_a_method_that_asks_for_memory_is_refused(method: int, tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "other.zip", "w", method) as files:
+        files.writestr("design.json", design.to_json(design.load("offshore-100t")))
+    with pytest.raises(DesignError, match=r"packed in another way than seacrane packs; allowed: deflated"):
+        archive.load_archive(tmp_path / "other.zip")
+
+
 def test_a_long_list_of_files_is_refused_before_it_is_read(tmp_path: Path) -> None:
     """A list of 60 MB with a quarter of a million files, and one that a record for 64 bits leads to."""
     listed = _zip(tmp_path / "one.zip", {"design.json": b"{}"}).read_bytes()

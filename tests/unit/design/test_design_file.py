@@ -288,6 +288,10 @@ def test_a_design_has_no_more_and_nothing_larger_than_a_crane(data):
     ]
 
 
+def test_a_file_may_begin_with_the_mark_of_an_editor(data):
+    assert design.loads(b"\xef\xbb\xbf" + json.dumps(data).encode()) == design.loads(json.dumps(data))
+
+
 def test_a_chain_of_thousands_of_links_or_parts_is_refused_at_once(data):
     whole = json.dumps(data["links"][1])
     for count, what in ((13, "must have at most 12 entries (got 13)"), (5000, "(got 5000)")):

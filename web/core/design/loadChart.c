@@ -617,7 +617,6 @@ void EXPORT(bring)(int count, double first, double stride) {
     }
 }
 
-
 /* The better of two postures beside a cell; none unless both are there. */
 static inline double beside_both(double a, double b) { return a < 0 || b < 0 ? -1 : a > b ? a : b; }
 

@@ -80,8 +80,8 @@ class FreeBodies:
 
     def _acting(self, load: float, lead: float, own: bool) -> Forces:
         crane, path = self.crane, self.rope()
-        heel = crane.rating.heel
-        down, out = np.array([math.sin(heel), -math.cos(heel)]), np.array([math.cos(heel), math.sin(heel)])
+        fall = slope(crane)
+        down, out = np.array([math.sin(fall), -math.cos(fall)]), np.array([math.cos(fall), math.sin(fall)])
         acting: Forces = {name: [] for name in self.frames}
         for link in crane.links if own else ():
             acting[link.name].append((link.mass * G * down, self.place(link.name, link.com[0], link.com[2])))
@@ -133,6 +133,12 @@ class FreeBodies:
         return sum(moment(force, at - about) for name in self.names[i:] for force, at in acting[name])
 
 
+def slope(crane: Crane) -> float:
+    """How far the normal of the deck is off the plumb line [rad]: the deck falls by tan(heel) and by tan(trim)."""
+    normal = np.array([-math.tan(crane.rating.trim), -math.tan(crane.rating.heel), 1.0])
+    return math.acos(normal[2] / np.linalg.norm(normal))
+
+
 def held(bodies: FreeBodies, limit: str, load: float, lead: float) -> bool:
     """Whether a limit that dynamics use up holds a weight on the hook [N]."""
     crane = bodies.crane
@@ -144,6 +150,14 @@ def held(bodies: FreeBodies, limit: str, load: float, lead: float) -> bool:
     if limit == "slew moment":
         about_foot = sum(moment(force, at) for forces in found.acting.values() for force, at in forces)
         return abs(about_foot) <= (crane.rating.slew_moment or 0.0)
+    if limit == "slew torque":
+        fall, tip = slope(crane), bodies.rope()[-1][1][0]
+        across = sum(
+            link.mass * G * math.sin(fall) * bodies.place(link.name, link.com[0], link.com[2])[0]
+            for link in crane.links
+        )
+        led = [load * (math.sin(fall) + side * lead / 2 * math.cos(fall)) * tip for side in (-1, 1)]
+        return all(abs(across + one) <= (crane.rating.slew_torque or 0.0) for one in led)
     if limit in ("rope", "winch"):
         parts = [crane.hoist.sheave_efficiency**i for i in range(crane.hoist.falls)]  # of the winch's tension
         rope, pull = crane.hoist.rope, crane.hoist.line_pull
@@ -217,9 +231,11 @@ def fitted_out(name: str) -> Crane:
     rating = msgspec.structs.replace(
         crane.rating,
         heel=4 * deg,
+        trim=1 * deg,
         harbour_factor=1.15,
         tip_speed_per_height=0.35,
         slew_moment=9e6 if crane.slew else None,
+        slew_torque=2e6 if crane.slew else None,
         structure=structure,
     )
     return msgspec.structs.replace(crane, hoist=hoist, rating=rating)

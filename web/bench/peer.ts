@@ -2,7 +2,7 @@
 // against, in time and in value.
 import { areas, cylinderForces, meetingSpeed, reeving } from "../core/design/loadChart";
 import { ORIGIN, type PlaneJoint, type Pose, planar, pointX, pointZ, posed, retracted } from "../core/design/plane";
-import { type Attachment, type Crane, FOOT, GRAVITY, type Mode } from "../core/design/types";
+import { type Attachment, type Crane, FOOT, GRAVITY, type Mode, tilt } from "../core/design/types";
 
 /** What tells the load of a posture [kg]. */
 export function peer(crane: Crane, mode: Mode): (q: readonly number[]) => number {
@@ -19,8 +19,7 @@ function load(
   poses: readonly Pose[],
 ): number {
   const { hoist, rating, links, cylinders } = crane;
-  const heel = rating?.heel ?? 0;
-  const up = [-Math.sin(heel), Math.cos(heel)];
+  const up = [-Math.sin(tilt(crane)), Math.cos(tilt(crane))];
   const falls = hoist.falls ?? 1;
   const atSea = mode.waveHeight > 0;
   const place = (at: Attachment) => (at.link === FOOT ? -1 : links.findIndex(({ name }) => name === at.link));
@@ -88,6 +87,12 @@ function load(
     });
     const plumb = up[1] * tip[0] - up[0] * tip[1];
     bear(self, [plumb, plumb + lead * (up[0] * tip[0] + up[1] * tip[1])], -rating.slew_moment, rating.slew_moment);
+  }
+  if (rating?.slew_torque != null) {
+    const own = links.reduce((sum, { com, mass }, i) => sum + mass * pointX(pose(i), com[0], com[2]), 0);
+    const side = 0.5 * lead * up[1];
+    const loads = [side, -side].map((slope) => tip[0] * (slope - up[0]));
+    bear(-GRAVITY * up[0] * own, loads, -rating.slew_torque, rating.slew_torque);
   }
   const carried = falls * reeving(falls, hoist.sheave_efficiency ?? 1);
   if (hoist.rope.breaking_load != null)

@@ -10,8 +10,9 @@ At sea the load is not steady. The dynamic factor of a load m on a crane of stif
 speed v_r is psi = 1 + v_r/g sqrt(k/m), with v_r = v_L/2 + sqrt(v_d^2 + v_c^2): hoisting speed v_L of the hook, speed
 of the supply vessel's deck v_d = 6 Hs / (Hs + 8) and of the crane's tip v_c (EN 13852-1:2013, dynamic coefficients for
 lifts from a floating vessel). The load may also lead outboard by up to 2.5 m + 1.5 Hs over the height of the tip above
-the sea; what counts is the worst lead.
-What a limit bears, psi m = C, is solved for m: sqrt(m) = (sqrt(b^2 + 4 C) - b) / 2 with b = v_r sqrt(k) / g.
+the sea; what counts is the worst lead. About the slewing axis it leads to the side by half of that (ibid.), on a deck
+that falls across the boom. What a limit bears, psi m = C, is solved for m: sqrt(m) = (sqrt(b^2 + 4 C) - b) / 2 with
+b = v_r sqrt(k) / g.
 
 These are computed capacities of a design, not a certified load chart.
 """
@@ -96,6 +97,7 @@ def limits(crane: Crane) -> tuple[str, ...]:
     named = [cylinder.name for cylinder in crane.cylinders]
     named += [f"structure at {item.joint}" for item in rating.structure]
     named += ["slew moment"] * (rating.slew_moment is not None)
+    named += ["slew torque"] * (rating.slew_torque is not None)
     named += ["rope"] * (hoist.rope.breaking_load is not None) + ["winch"] * (hoist.line_pull is not None)
     named += ["load moment"] * (rating.load_moment is not None)
     named += ["ship stability"] * (rating.heeling_moment is not None)
@@ -282,6 +284,7 @@ def conditions(crane: Crane) -> list[str]:
         what
         for what, given in (
             ("the slewing ring", rating.slew_moment or not crane.slew),
+            ("the slewing gear", rating.slew_torque or not crane.slew),
             ("the structure", rating.structure),
             ("the rope", hoist.rope.breaking_load),
             ("the winch", hoist.line_pull),
@@ -308,10 +311,13 @@ def conditions(crane: Crane) -> list[str]:
         need, have = hook_speed_needed(crane, at_sea), hoist.speed / hoist.falls
         if have < need:
             notes.append(f"{at_sea.name}: the hook at {have:.2f} m/s is slower than the {need:.2f} m/s of EN 13852-1")
-    notes.append(f"Heel or trim with the load outboard: {rating.heel / deg:.3g} deg.")
+    notes.append(
+        f"Heel {rating.heel / deg:.3g} deg and trim {rating.trim / deg:.3g} deg, slewed to where the deck falls "
+        "outboard; for the slewing gear to where it falls across the boom, with a sidelead of half the offlead."
+    )
     if absent:
         notes.append(f"No limit is given for {', '.join(absent)}: none is checked.")
-    notes.append("Left out: wind, sidelead, side loads from trim, buckling of rods, fatigue, layers on the drum.")
+    notes.append("Left out: wind, side loads of the structure, buckling of rods, fatigue, layers on the drum.")
     return notes
 
 
@@ -332,8 +338,8 @@ class _Lift:
         self.crane, self.mode, self.retracted = crane, mode, retracted
         self.plane = Plane(crane, postures)
         self.tip = self.plane.tip()
-        heel = crane.rating.heel
-        self.up = -math.sin(heel), math.cos(heel)
+        tilt = crane.rating.tilt
+        self.up = -math.sin(tilt), math.cos(tilt)
         self.hang = np.maximum(self.tip[1] + crane.pedestal[2], _LEAST_HANG)
         self.lead = (2.5 + 1.5 * mode.wave_height) / self.hang
         joints = {cylinder.moves for cylinder in crane.cylinders} | {item.joint for item in crane.rating.structure}
@@ -405,6 +411,8 @@ class _Lift:
             yield _share(self.own[item.joint], self.loads[item.joint], -item.moment, item.moment)
         if rating.slew_moment is not None:
             yield _share(*self._overturning(), -rating.slew_moment, rating.slew_moment)
+        if rating.slew_torque is not None:
+            yield _share(*self._turning(), -rating.slew_torque, rating.slew_torque)
         carried = hoist.falls * _reeving(hoist.falls, hoist.sheave_efficiency)
         if hoist.rope.breaking_load is not None:
             yield np.asarray(hoist.rope.safety_factor / (carried * hoist.rope.breaking_load))
@@ -418,6 +426,16 @@ class _Lift:
         x, z = self.tip
         plumb = up[1] * x - up[0] * z
         return own, (plumb, plumb + self.lead * (up[0] * x + up[1] * z) if self.mode.at_sea else plumb)
+
+    def _turning(self) -> tuple[Array, tuple[Array, Array]]:
+        """Torque about the slewing axis of the crane itself [N.m] and of each newton on the hook [m].
+
+        The deck falls across the boom; the load leads to either side by half of what it leads outboard.
+        """
+        sine, cosine = -self.up[0], self.up[1]
+        own, tip = GRAVITY * sine * self.plane.mass_moment()[0], self.tip[0]
+        side = 0.5 * self.lead * cosine if self.mode.at_sea else 0.0
+        return own, (tip * (sine + side), tip * (sine - side))
 
     def static(self) -> Iterator[Array]:
         """What each limit leaves that takes no dynamics, in the order of `limits` [kg]."""
@@ -464,4 +482,4 @@ def _share(own: Array, loads: tuple[Array, Array], low: Array | float, high: Arr
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.asarray(np.maximum(up / above, down / below))
     share[(above <= 0) | (below >= 0)] = np.inf
-    return share
+    return share + 0.0  # -0 would be the inverse of a load without end downwards

@@ -11,6 +11,7 @@ not check itself when it is built in Python.
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Final, Literal, NoReturn
 
 from msgspec import Meta, Struct, field
@@ -155,9 +156,13 @@ class Rating(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     tip_speed_per_height: Annotated[
         Frequency, Meta(ge=0, description="vertical speed of the tip per metre of Hs, from the ship's motion")
     ] = 0.0
-    heel: Annotated[Angle, Meta(ge=0, le=0.35, description="heel (or trim) with the load outboard")] = 0.0
+    heel: Annotated[Angle, Meta(ge=0, le=0.35, description="heel of the ship, to whichever side is worse")] = 0.0
+    trim: Annotated[Angle, Meta(ge=0, le=0.35, description="trim of the ship, by whichever end is worse")] = 0.0
     slew_moment: Annotated[
         Torque | None, Meta(gt=0, description="allowable overturning moment of the slewing ring, dynamics in")
+    ] = None
+    slew_torque: Annotated[
+        Torque | None, Meta(gt=0, description="what the slewing gear holds about its axis, dynamics in")
     ] = None
     load_moment: Annotated[
         Torque | None, Meta(gt=0, description="allowable weight of load and hook block times radius")
@@ -166,6 +171,11 @@ class Rating(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         Torque | None, Meta(gt=0, description="what the ship's stability allows: load and hook over the side")
     ] = None
     structure: Annotated[tuple[JointMoment, ...], Meta(description="what the structure bears, joint by joint")] = ()
+
+    @property
+    def tilt(self) -> float:
+        """How steeply the deck falls, heel and trim together [rad]."""
+        return math.atan(math.hypot(math.tan(self.heel), math.tan(self.trim)))
 
 
 class Source(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

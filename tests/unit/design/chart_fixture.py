@@ -23,6 +23,8 @@ def cranes() -> list[Crane]:
     rating = msgspec.structs.replace(
         every.rating,
         heel=0.05,
+        trim=0.02,
+        slew_torque=0.6e6,
         load_moment=13e6,
         heeling_moment=18e6,
         structure=(design.JointMoment(joint="luff", moment=16e6), design.JointMoment(joint="jib", moment=9e6)),

@@ -121,6 +121,31 @@ def test_the_slewing_moment_is_that_of_all_weights_about_the_ring() -> None:
     assert chart.each_limit(crane, at)["slew moment"] == pytest.approx(expected, rel=1e-12)
 
 
+def test_the_slewing_gear_holds_the_crane_at_its_worst_angle_on_a_deck_that_heels_and_trims() -> None:
+    heel, trim, torque = 3 * deg, 2 * deg, 1.5e6
+    crane = alone(OFFSHORE, slew_torque=torque, heel=heel, trim=trim)
+    at = {"luff": 0.4, "jib": -0.5}
+    mass = chart.each_limit(crane, at)["slew torque"]
+    up = np.array([-math.tan(trim), -math.tan(heel), 1.0])
+    up /= np.linalg.norm(up)
+
+    def energy(slew: float) -> float:
+        frames = geometry.frames(crane, {**at, "slew": slew})
+        own = sum(link.mass * float(up @ frames[link.name].point(link.com)) for link in crane.links)
+        return GRAVITY * (own + mass * float(up @ np.array(geometry.tip(crane, {**at, "slew": slew}))))
+
+    h = 1e-4
+    turning = [abs(energy(slew + h) - energy(slew - h)) / (2 * h) for slew in np.linspace(0, math.pi, 721)]
+    assert max(turning) == pytest.approx(torque, rel=1e-5)
+
+
+def test_a_level_deck_in_harbour_asks_nothing_of_the_slewing_gear_and_the_sidelead_something() -> None:
+    crane = alone(OFFSHORE, slew_torque=1e6)
+    at = {"luff": 0.4, "jib": -0.5}
+    assert chart.each_limit(crane, at)["slew torque"] == math.inf
+    assert chart.each_limit(crane, at, chart.mode(crane, "hs1.0"))["slew torque"] < 1e6
+
+
 def test_rope_and_winch_carry_their_share_of_the_falls() -> None:
     rope = msgspec.structs.replace(OFFSHORE.hoist.rope, breaking_load=3e6, safety_factor=5.0)
     hoist = msgspec.structs.replace(

@@ -116,8 +116,8 @@ def test_the_conditions_name_what_is_taken_for_granted_and_what_is_left_out() ->
         "dynamic factor 1.1",
         "hook v_L 0.125 m/s",
         "hs1.0: the hook at 0.12 m/s is slower than the 0.20 m/s of EN 13852-1",
-        "outboard: 3 deg",
-        "No limit is given for the structure, the load moment: none is checked",
-        "Left out: wind, sidelead",
+        "Heel 3 deg and trim 0 deg",
+        "No limit is given for the slewing gear, the structure, the load moment: none is checked",
+        "Left out: wind, side loads of the structure",
     ):
         assert words in told

@@ -108,6 +108,7 @@ function alone(crane: Crane, limit: string): Crane {
       ...rating,
       structure: rating.structure?.filter(({ joint }) => limit === `structure at ${joint}`),
       slew_moment: only("slew moment", rating.slew_moment),
+      slew_torque: only("slew torque", rating.slew_torque),
       load_moment: only("load moment", rating.load_moment),
       heeling_moment: only("ship stability", rating.heeling_moment),
     },

@@ -2,7 +2,7 @@
 // same laws as the load chart (src/seacrane/design/chart.py).
 import { areas } from "./loadChart";
 import { frames, type Posture, pin } from "./plane";
-import { type Attachment, type Crane, GRAVITY, type Mode } from "./types";
+import { type Attachment, type Crane, GRAVITY, type Mode, tilt } from "./types";
 
 /** For slopes by joint coordinate, to either side [rad, m]. */
 const STEP = 1e-5;
@@ -58,10 +58,10 @@ export function holding(crane: Crane, posture: Posture, weight: number, mode: Mo
 type State = ReturnType<typeof stateOf>;
 
 function stateOf(crane: Crane, posture: Posture) {
-  const { hoist, links, rating } = crane;
+  const { hoist, links } = crane;
   const at = frames(crane, posture);
-  const heel = rating?.heel ?? 0;
-  const [upX, upZ] = [-Math.sin(heel), Math.cos(heel)];
+  const falling = tilt(crane);
+  const [upX, upZ] = [-Math.sin(falling), Math.cos(falling)];
   const between = (a: Attachment, b: Attachment) => {
     const [p, q] = [pin(at, a), pin(at, b)];
     return Math.hypot(p[0] - q[0], p[1] - q[1]);

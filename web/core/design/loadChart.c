@@ -15,6 +15,8 @@
 #define ROW 320
 /* Share of the stroke below which the oil column is not taken shorter: ports and heads hold that much. */
 #define STROKE_MARGIN 0.01
+/* Of the load at sea, over its offlead. */
+#define SIDELEAD 0.5
 /* Least height of the tip above the sea in the lead of the load and the length of the rope [m]. */
 #define LEAST_HANG 1.0
 
@@ -130,8 +132,11 @@ static struct {
     struct strength *strengths;
     int link_count, joint_count, ram_count, rope_count, strength_count;
     double bulk_modulus;
-    /* of the upward direction along x and z; of the foot over the sea, and from the centre of the ship [m] */
-    double up_x, up_z, foot, aside;
+    /* of the angle at which the deck falls, outboard or across the boom; of the foot over the sea and aside of the ship's
+     * middle [m] */
+    double sine, cosine, foot, aside;
+    /* what the slewing gear bears across, a pair for all rows; none if its first limit is endless */
+    struct bearing gear;
     /* the tip on the last link; how many falls; give of the rope below the tip and up to the drum [1/N] */
     double tip_x, tip_z, falls, hang_give, rope_give;
     /* share of rope and winch that a newton takes, and which of both */
@@ -229,9 +234,13 @@ void EXPORT(strength)(int joint, double moment) {
     crane.joints[joint].bears = 1;
 }
 
-void EXPORT(stand_on)(double up_x, double up_z, double foot, double aside, double bulk_modulus) {
-    crane.up_x = up_x;
-    crane.up_z = up_z;
+void EXPORT(gear)(double torque, double by) {
+    crane.gear = (struct bearing){both(-torque), both(torque), both(by), both(by), both(0), both(0)};
+}
+
+void EXPORT(stand_on)(double sine, double cosine, double foot, double aside, double bulk_modulus) {
+    crane.sine = sine;
+    crane.cosine = cosine;
     crane.foot = foot;
     crane.aside = aside;
     crane.bulk_modulus = bulk_modulus;
@@ -551,12 +560,23 @@ static void sum(void) {
     }
 }
 
+/* What the load takes of the slewing gear where the deck falls across the boom, the load leading to either side. */
+static void turn(struct along radius) {
+    const struct along none = {0, 0, 0}, own = plus(none, GRAVITY * crane.sine, crane.links[0].moment.x);
+    const struct along plumb = plus(none, crane.sine, radius), side = plus(none, SIDELEAD * crane.cosine, radius);
+    if (crane.impact > 0) {
+        sway(&crane.gear, 0, own, plumb, side);
+        sway(&crane.gear, 0, own, plumb, plus(none, -1, side));
+    } else bear(&crane.gear, 0, own, plumb);
+}
+
 /* The loads of the row in which the joints stand now. */
 void EXPORT(row)(void) {
     pose();
     settle();
     sum();
-    const double x = crane.up_x, z = crane.up_z;
+    /* upward, with the deck falling outboard */
+    const double x = -crane.sine, z = crane.cosine;
     const struct point tip = point(crane.link_count - 1, crane.tip_x, crane.tip_z);
     for (int j = 0; j < crane.pairs; j++) {
         RADIUS[j] = at(tip.x, j);
@@ -574,6 +594,7 @@ void EXPORT(row)(void) {
         if (crane.impact > 0) sway(joint->bearing, joint->step, own, plumb, work(k, tip, -z, x, 1));
         else bear(joint->bearing, joint->step, own, plumb);
     }
+    if (crane.gear.high[0] < __builtin_inf()) turn(tip.x);
     if (crane.impact > 0) meet();
     else still();
     if (crane.load_moment < __builtin_inf()) within(crane.load_moment, 0, crane.load_by);

@@ -3,7 +3,7 @@
 // both equal.
 import compiled from "./loadChart.wasm?url&inline";
 import { planar, retracted, span } from "./plane";
-import { type Attachment, type Crane, type Cylinder, GRAVITY, type Mode } from "./types";
+import { type Attachment, type Crane, type Cylinder, GRAVITY, type Mode, tilt } from "./types";
 
 const SAFETY_FACTOR = 3;
 
@@ -25,6 +25,7 @@ export function limitNames(crane: Crane): string[] {
   const names = crane.cylinders.map((cylinder) => cylinder.name);
   for (const item of rating?.structure ?? []) names.push(`structure at ${item.joint}`);
   if (rating?.slew_moment != null) names.push("slew moment");
+  if (rating?.slew_torque != null) names.push("slew torque");
   if (hoist.rope.breaking_load != null) names.push("rope");
   if (hoist.line_pull != null) names.push("winch");
   if (rating?.load_moment != null) names.push("load moment");
@@ -154,7 +155,8 @@ interface Chart {
   ): void;
   rope(...between: Pins): void;
   strength(joint: number, moment: number): void;
-  stand_on(upX: number, upZ: number, foot: number, aside: number, bulkModulus: number): void;
+  gear(torque: number, by: number): void;
+  stand_on(sine: number, cosine: number, foot: number, aside: number, bulkModulus: number): void;
   hoist(tipX: number, tipZ: number, falls: number, give: number, hoisted: number, by: number, hook: number): void;
   rate(factor: number, loadMoment: number, loadBy: number, heelingMoment: number, heelingBy: number): void;
   sea(offlead: number, impact: number): void;
@@ -236,8 +238,8 @@ function describe(crane: Crane, mode: Mode): void {
   });
   for (const { joint, moment } of strengths) chart.strength(jointOf(joint), moment);
 
-  const heel = rating?.heel ?? 0;
-  chart.stand_on(-Math.sin(heel), Math.cos(heel), pedestal[2], Math.abs(pedestal[1]), crane.bulk_modulus);
+  const falling = tilt(crane);
+  chart.stand_on(Math.sin(falling), Math.cos(falling), pedestal[2], Math.abs(pedestal[1]), crane.bulk_modulus);
   const falls = hoist.falls ?? 1;
   const carried = falls * reeving(falls, hoist.sheave_efficiency ?? 1);
   const { breaking_load, safety_factor, EA } = hoist.rope;
@@ -246,7 +248,8 @@ function describe(crane: Crane, mode: Mode): void {
     hoist.line_pull == null ? null : carried * hoist.line_pull,
   ].filter((value) => value !== null);
   const hoisted = Math.min(Number.POSITIVE_INFINITY, ...bearable);
-  const hoists = cylinders.length + strengths.length;
+  const gear = cylinders.length + strengths.length;
+  const hoists = gear + (rating?.slew_torque == null ? 0 : 1);
   const by = bearable.length ? hoists + bearable.indexOf(hoisted) : 0;
   const { x, z } = hoist.sheaves[hoist.sheaves.length - 1];
   chart.hoist(x, z, falls, 1 / EA, hoisted, by, hoist.hook_mass ?? 0);
@@ -254,6 +257,7 @@ function describe(crane: Crane, mode: Mode): void {
   const moments = hoists + bearable.length;
   const heeling = moments + (load_moment == null ? 0 : 1);
   const endless = Number.POSITIVE_INFINITY;
+  chart.gear(rating?.slew_torque ?? endless, gear);
   chart.rate(rating?.harbour_factor ?? 1, load_moment ?? endless, moments, heeling_moment ?? endless, heeling);
   const speed = (0.5 * hoist.speed) / falls + meetingSpeed(crane, mode);
   chart.sea(2.5 + 1.5 * mode.waveHeight, mode.waveHeight > 0 ? (speed / GRAVITY) ** 2 : 0);

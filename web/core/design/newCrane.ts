@@ -57,6 +57,7 @@ export function scaled(crane: Crane, s: number, k = s ** 2): Crane {
       rating: rating && {
         ...rating,
         slew_moment: by(rating.slew_moment, k * s),
+        slew_torque: by(rating.slew_torque, k * s),
         load_moment: by(rating.load_moment, k * s),
         heeling_moment: by(rating.heeling_moment, k * s),
         structure: rating.structure?.map((item) => ({ ...item, moment: item.moment * k * s })),
@@ -153,6 +154,7 @@ function rounded(crane: Crane): Crane {
     rating: rating && {
       ...rating,
       slew_moment: some(rating.slew_moment, upDigits),
+      slew_torque: some(rating.slew_torque, upDigits),
       load_moment: some(rating.load_moment, upDigits),
       heeling_moment: some(rating.heeling_moment, upDigits),
       structure: rating.structure?.map((item) => ({ ...item, moment: upDigits(item.moment) })),

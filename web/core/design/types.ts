@@ -151,7 +151,9 @@ export interface Rating {
   readonly wave_heights?: readonly number[];
   readonly tip_speed_per_height?: number;
   readonly heel?: number;
+  readonly trim?: number;
   readonly slew_moment?: number | null;
+  readonly slew_torque?: number | null;
   readonly load_moment?: number | null;
   readonly heeling_moment?: number | null;
   readonly structure?: readonly { readonly joint: string; readonly moment: number }[];
@@ -190,6 +192,11 @@ export function modes(crane: Crane): Mode[] {
 /** A mode as a person says it. */
 export function modeLabel({ waveHeight }: Mode): string {
   return waveHeight ? `Hs ${waveHeight.toFixed(waveHeight % 0.5 ? 2 : 1)} m` : "Harbour";
+}
+
+/** How steeply the deck falls, heel and trim together [rad]. */
+export function tilt({ rating }: Crane): number {
+  return Math.atan(Math.hypot(Math.tan(rating?.heel ?? 0), Math.tan(rating?.trim ?? 0)));
 }
 
 /** The joints that move the crane in its plane, from the foot to the tip: all but slewing. */

@@ -2,7 +2,8 @@
 
 Both hold links, joints with their limits, masses, centres and moments of inertia, and the meshes of the links by file
 name. The foot is the fixed base, z up. MJCF also has the cylinders, as tendons between their pins with a motor of the
-cylinder's force on each; URDF has no such thing: the effort of a joint there is what its cylinders push with on their
+cylinder's force on each, and a key frame half-way through all joints with the forces that hold the crane's own weight
+there; URDF has no such thing: the effort of a joint there is what its cylinders push with on their
 longest lever.
 """
 
@@ -12,9 +13,13 @@ import math
 from collections.abc import Mapping, Sequence
 from xml.etree import ElementTree
 
+import numpy as np
+
 from seacrane.design.chart import forces
 from seacrane.design.crane import FOOT, Attachment, Crane, Joint
 from seacrane.design.geometry import longest_lever
+from seacrane.design.planar import Plane, check_plane
+from seacrane.units import GRAVITY
 
 _LARGE = 1e9
 """Effort or speed of a URDF joint [N.m or N, rad/s or m/s], which URDF demands, where a design does not know it."""
@@ -24,7 +29,7 @@ def mjcf(crane: Crane, meshes: Mapping[str, str] | None = None) -> str:
     """The crane in MJCF; meshes: by link, the name of a mesh file beside it."""
     root = _element("mujoco", model=crane.name)
     ElementTree.SubElement(root, "compiler", angle="radian", autolimits="true", inertiagrouprange="5 5")
-    ElementTree.SubElement(root, "option", gravity="0 0 -9.81")
+    ElementTree.SubElement(root, "option", gravity=_numbers((0.0, 0.0, -GRAVITY)))
     if meshes:
         asset = ElementTree.SubElement(root, "asset")
         for name, file in meshes.items():
@@ -52,6 +57,10 @@ def mjcf(crane: Crane, meshes: Mapping[str, str] | None = None) -> str:
         if meshes and link.name in meshes:
             ElementTree.SubElement(parent, "geom", type="mesh", mesh=link.name, contype="0", conaffinity="0", group="2")
         _sites(parent, crane, link.name)
+    if not check_plane(crane):
+        coordinates, thrusts = _held(crane)
+        frames = ElementTree.SubElement(root, "keyframe")
+        ElementTree.SubElement(frames, "key", name="half-way", qpos=_numbers(coordinates), ctrl=_numbers(thrusts))
     tendons = ElementTree.SubElement(root, "tendon")
     motors = ElementTree.SubElement(root, "actuator")
     for cylinder in crane.cylinders:
@@ -100,6 +109,18 @@ def urdf(crane: Crane, meshes: Mapping[str, str] | None = None) -> str:
         ElementTree.SubElement(joint, "limit", bounds)
         before = link.name
     return _text(root)
+
+
+def _held(crane: Crane) -> tuple[list[float], list[float]]:
+    """The coordinates of all joints half-way, and the force of each cylinder set under the crane's own weight [N]."""
+    middle = {joint.name: 0.5 * sum(joint.limits or (0.0, 0.0)) for joint in crane.joints}
+    plane = Plane(crane, {name: np.asarray(q) for name, q in middle.items()})
+    thrusts = []
+    for c in crane.cylinders:
+        lever = float(plane.distance_by_joint(c.moves, c.base, c.eye))
+        weight = GRAVITY * float(plane.own_moment(c.moves, (0.0, 1.0)))
+        thrusts.append(weight / lever if lever else 0.0)
+    return list(middle.values()), thrusts
 
 
 def _effort(crane: Crane, joint: Joint) -> float:

@@ -24,8 +24,8 @@ from seacrane.errors import DesignError
 _BEFORE = 121
 """Coordinates tried of a joint before the last two, for what can be reached."""
 
-_BEFORE_LOADS = 31
-"""The same for loads, which vary slowly with them."""
+_BEFORE_LOADS = 91
+"""The same for loads; with fewer, contours have teeth where a limit of the joint decides what is lifted."""
 
 _MOST_BEFORE = 441
 """The same of several such joints together."""

@@ -112,6 +112,25 @@ def test_mujoco_finds_the_tip_the_cylinders_and_the_masses_of_the_mjcf_where_the
 
 
 @pytest.mark.parametrize("name", design.names())
+def test_in_its_key_frame_the_crane_of_the_mjcf_is_held_by_its_cylinders(name: str) -> None:
+    crane = design.load(name)
+    model = mujoco.MjModel.from_xml_string(robot.mjcf(crane))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("half-way").id)
+    mujoco.mj_forward(model, data)
+    assert {c.name for c in crane.cylinders} == {model.actuator(i).name for i in range(model.nu)}
+    for c in crane.cylinders:
+        low, high = model.joint(c.moves).range
+        assert float(data.joint(c.moves).qpos[0]) == pytest.approx(0.5 * (low + high))
+        pull, push = model.actuator(c.name).ctrlrange
+        assert pull < float(data.actuator(c.name).ctrl[0]) < push
+        weight = float(data.joint(c.moves).qfrc_bias[0])
+        assert float(data.joint(c.moves).qfrc_actuator[0]) == pytest.approx(weight, rel=1e-9, abs=1e-3)
+    if {c.moves for c in crane.cylinders} | {crane.slew and crane.slew.joint} >= {joint.name for joint in crane.joints}:
+        assert np.abs(data.qacc).max() < 1e-8  # nothing moves where every joint has its cylinders
+
+
+@pytest.mark.parametrize("name", design.names())
 def test_a_joint_of_the_urdf_takes_what_its_cylinders_give_in_the_mjcf(name: str) -> None:
     crane = design.load(name)
     model = mujoco.MjModel.from_xml_string(robot.mjcf(crane))

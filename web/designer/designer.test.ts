@@ -2,7 +2,17 @@ import { readFileSync } from "node:fs";
 import { describe, expect, it } from "vitest";
 import { problems } from "../core/design/check";
 import { curve, verdict } from "../core/design/curve";
-import { differences, dragged, get, nudged, set, withCylinder, withLink, withoutLink } from "../core/design/edit";
+import {
+  differences,
+  dragged,
+  get,
+  nudged,
+  set,
+  withCylinder,
+  withKind,
+  withLink,
+  withoutLink,
+} from "../core/design/edit";
 import { fromData, read, text } from "../core/design/file";
 import { endOf } from "../core/design/length";
 import { capacity } from "../core/design/loadChart";
@@ -229,6 +239,21 @@ describe("building a chain", () => {
     expect(back.cylinders).toEqual(offshore.cylinders);
     expect(endOf(back, 2)).toEqual([14, 0]);
     expect(() => read(text(crane))).not.toThrow();
+  });
+
+  it("makes a turning joint slide, and turn again, in the plane and within limits of its kind", () => {
+    const sliding = withKind(offshore, 2, "prismatic");
+    expect(sliding.links[2].joint).toMatchObject({ kind: "prismatic", axis: [1, 0, 0], limits: [0, 7] });
+    expect(problems(sliding).filter(({ path }) => path.startsWith("links"))).toEqual([]);
+    const turning = withKind(sliding, 2, "revolute");
+    expect(turning.links[2].joint).toMatchObject({ kind: "revolute", axis: [0, -1, 0] });
+    expect(problems(turning).filter(({ path }) => path.startsWith("links"))).toEqual([]);
+    expect(withKind(offshore, 0, "prismatic"), "slewing turns").toBe(offshore);
+    const askew = set(offshore, ["links", 2, "joint", "axis"], [1, 0, 0]);
+    expect(problems(askew)).toContainEqual({
+      path: "links[jib].joint.axis",
+      message: "turns out of the crane's plane",
+    });
   });
 
   it("keeps a scaled crane similar: twice the size, and without its own weight four times the load", () => {

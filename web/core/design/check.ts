@@ -12,7 +12,13 @@ export interface Problem {
 const metres = (value: number) => `${value.toFixed(3)} m`;
 
 export function problems(crane: Crane): Problem[] {
-  const found: Problem[] = planeProblems(crane).map((message) => ({ path: "links", message }));
+  // each begins with the name of its link
+  const found: Problem[] = planeProblems(crane).map((text) => {
+    const link = crane.links.find(({ name }) => text.startsWith(`${name}: `));
+    return link
+      ? { path: `links[${link.name}].joint.axis`, message: text.slice(link.name.length + 2) }
+      : { path: "links", message: text };
+  });
   for (const { name, joint, mass } of crane.links) {
     const at = `links[${name}]`;
     if (joint.limits && !(joint.limits[0] < joint.limits[1]))

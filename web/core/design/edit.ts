@@ -183,6 +183,9 @@ export function fresh(wanted: string, taken: readonly string[]): string {
   return name;
 }
 
+/** Limits of a link that folds below the one before [rad]. */
+const FOLDING: Limits = [(-110 * Math.PI) / 180, 0];
+
 /** The crane with a link more at its end, half as long as the last one; the tip moves to it. */
 export function withLink(crane: Crane, kind: "revolute" | "prismatic"): Crane {
   const last = crane.links.length - 1;
@@ -201,7 +204,7 @@ export function withLink(crane: Crane, kind: "revolute" | "prismatic"): Crane {
       kind,
       axis: turns ? [0, -1, 0] : [1, 0, 0],
       origin: [x, 0, z],
-      limits: turns ? [(-110 * Math.PI) / 180, 0] : [0, length],
+      limits: turns ? FOLDING : [0, length],
     },
     mass,
     com: [turns ? 0.45 * length : -0.5 * length, 0, 0],
@@ -210,6 +213,19 @@ export function withLink(crane: Crane, kind: "revolute" | "prismatic"): Crane {
   const tip: Attachment = { link: link.name, x: turns ? length : 0, z: 0 };
   const sheaves = [...crane.hoist.sheaves.slice(0, -1), ...(turns ? [crane.hoist.sheaves.at(-1)!] : []), tip];
   return { ...crane, links: [...crane.links, link], hoist: { ...crane.hoist, sheaves } };
+}
+
+/** The crane with a joint of the other kind: in the plane, with limits of that kind; a slewing joint only turns. */
+export function withKind(crane: Crane, index: number, kind: Joint["kind"]): Crane {
+  const { joint } = crane.links[index];
+  if (joint.kind === kind || joint.name === crane.slew?.joint) return crane;
+  const travel = Math.max(1, Number((0.5 * Math.hypot(...endOf(crane, index))).toFixed(1)));
+  return set(crane, ["links", index, "joint"], {
+    ...joint,
+    kind,
+    axis: kind === "revolute" ? [0, -1, 0] : [1, 0, 0],
+    limits: kind === "revolute" ? FOLDING : [0, travel],
+  });
 }
 
 /** The crane without a link and all that hangs on it alone; null where it is the only one. */

@@ -1,6 +1,6 @@
 import { useId, useState } from "react";
 import type { Path } from "../../core/design/edit";
-import { get, set } from "../../core/design/edit";
+import { get, set, withKind } from "../../core/design/edit";
 import {
   bound,
   type Field,
@@ -14,7 +14,7 @@ import {
 import { firstItem } from "../../core/design/newPart";
 import { type UnitSymbol, written } from "../../core/design/quantity";
 import { inStep } from "../../core/design/together";
-import { type Crane, FOOT } from "../../core/design/types";
+import { type Crane, FOOT, type Joint } from "../../core/design/types";
 import { symbol } from "../../core/units";
 import { useBench, useDesigner } from "../context";
 import { NumberField } from "./NumberField";
@@ -236,6 +236,7 @@ export function takenBy(crane: Crane, path: Path, next: string): string | null {
 /** The crane with a text set; a name that others refer to changes with them. */
 function renamed(crane: Crane, path: Path, next: string): Crane {
   const [group, index, field, inner] = path;
+  if (group === "links" && inner === "kind") return withKind(crane, index as number, next as Joint["kind"]);
   if (group !== "links" || (field !== "name" && inner !== "name")) return set(crane, path, next);
   const link = crane.links[index as number];
   const joint = field === "joint";

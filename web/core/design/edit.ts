@@ -1,6 +1,7 @@
 // Changes to a crane, each a new crane: by path for the forms, by what is dragged for the drawing.
 import { endedAt, endOf } from "./length";
 import { cylinderLengths, frames, into, type Point, type Posture } from "./plane";
+import { sized } from "./sizing";
 import { type Attachment, type Crane, type Cylinder, FOOT, type Joint, type Limits, type Link } from "./types";
 
 export type Path = readonly (string | number)[];
@@ -272,7 +273,7 @@ export function withStroke(crane: Crane, cylinder: Cylinder): Cylinder {
   return travel > 0 ? { ...cylinder, stroke: Number((MARGIN * travel).toFixed(3)), retracted: null } : cylinder;
 }
 
-/** The crane with a pair of cylinders below the joint of a link, pins a fifth of the links away from it. */
+/** The crane with a pair of cylinders below the joint of a link, pins a fifth of the links away, as strong as the rest. */
 export function withCylinder(crane: Crane, index: number): Crane {
   const link = crane.links[index];
   const before = crane.links[index - 1]?.name ?? FOOT;
@@ -289,8 +290,8 @@ export function withCylinder(crane: Crane, index: number): Crane {
     ),
     moves: link.joint.name,
     count: 2,
-    bore: round(Math.max(0.08, 0.02 * (back + out))),
-    rod: round(Math.max(0.05, 0.014 * (back + out))),
+    bore: 0.2,
+    rod: 0.14,
     stroke: 1,
     pressure: 280e5,
     base: turns
@@ -298,7 +299,7 @@ export function withCylinder(crane: Crane, index: number): Crane {
       : { link: before, x: round(ox - 0.9 * back), z: round(oz) },
     eye: turns ? { link: link.name, x: round(0.18 * out), z: round(-0.07 * out) } : { link: link.name, x: 0, z: 0 },
   };
-  return { ...crane, cylinders: [...crane.cylinders, withStroke(crane, draft)] };
+  return { ...crane, cylinders: [...crane.cylinders, withStroke(crane, sized(crane, draft))] };
 }
 
 // ---------------------------------------------------------------- the whole crane

@@ -195,8 +195,7 @@ def _refined(
     if not radii:
         return []
     joints = plane_joints(crane)
-    each = np.linspace(-1.0, 1.0, evenly(len(joints), _ABOUT, 250) | 1)  # an odd number, so that the start is one
-    about = np.stack([offset.ravel() for offset in np.meshgrid(*[each] * len(joints), indexing="ij")])
+    about = _about(len(joints))
     wanted = np.asarray(radii)[:, None]
     best = {joint.name: np.array([start[joint.name] for start in starts]) for joint in joints}
     rows = np.arange(len(radii))
@@ -221,6 +220,16 @@ def _refined(
         )
         for row, (radius, k) in enumerate(zip(radii, at, strict=True))
     ]
+
+
+def _about(joints: int) -> Array:
+    """Offsets (joints, n) about a posture, itself among them: of all joints together, or of many one by one."""
+    if joints not in _ABOUT:
+        return np.concatenate(
+            [np.zeros((joints, 1)), *(share * np.eye(joints) for share in (-1, -0.5, 0.5, 1))], axis=1
+        )
+    each = np.linspace(-1.0, 1.0, _ABOUT[joints])
+    return np.stack([offset.ravel() for offset in np.meshgrid(*[each] * joints, indexing="ij")])
 
 
 def _step(coordinates: Array) -> float:
@@ -249,9 +258,10 @@ _MOST_POSTURES = 65536
 
 
 _ABOUT = {1: 41, 2: 9, 3: 7, 4: 5}
-"""Postures per joint about the best so far, and how far to both sides, in steps of the grid before."""
+"""Postures per joint about the best so far, by the number of joints: odd numbers, so that it is one of them."""
 
 _ZOOMS = (1.0, 1.0, 0.5, 0.5, 0.25, 0.1)
+"""How far to both sides, one search after the other, in steps of the grid before."""
 
 
 def _whole(reach: Array) -> Array:

@@ -86,6 +86,27 @@ def test_a_curve_finds_what_a_hundred_times_as_many_postures_find() -> None:
         assert row.swl == pytest.approx(most, rel=0.13 / row.radius + 1e-9)
 
 
+def test_a_chain_of_as_many_links_as_there_may_be_is_charted_within_a_few_postures() -> None:
+    """Eleven joints in the plane, which no grid of all of them together could fill; the last carries little alone."""
+    column, boom, _ = OFFSHORE.links
+    short = msgspec.structs.replace(boom, mass=4e3, com=(1.5, 0.0, 0.0), inertia=(4e2, 4e3, 4e3))
+    links = [column]
+    for i in range(11):
+        origin = (3.0, 0.0, 4.0 if i == 0 else 0.0)
+        joint = msgspec.structs.replace(boom.joint, name=f"joint {i}", origin=origin, limits=(-0.5, 0.8))
+        links.append(msgspec.structs.replace(short, name=f"link {i}", joint=joint))
+    tip = design.Attachment(link="link 10", x=3.0, z=0.0)
+    hoist = msgspec.structs.replace(OFFSHORE.hoist, sheaves=(tip,))
+    crane = msgspec.structs.replace(OFFSHORE, links=tuple(links), cylinders=(), hoist=hoist)
+    assert design.check(crane) == []
+    rows = chart.curve(crane)
+    assert rows[-1].radius > 30
+    for row in rows:
+        assert geometry.radius(crane, row.posture) == pytest.approx(row.radius, abs=0.13)
+        assert row.swl <= min(chart.each_limit(crane, row.posture).values()) * (1 + 1e-9)
+    assert design.workspace.section(crane, 40).area > 100
+
+
 def test_levers_are_the_derivatives_of_the_points_and_lengths() -> None:
     crane, h = design.load("dual-drag-link-60t"), 1e-6
     at = postures(crane)

@@ -2,23 +2,7 @@
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { join } from "node:path";
-import { choose, downloaded, output, reading, ready, scenarios, shown, until, violations } from "./bench.mjs";
-
-/** Goes on with the tabulator until what has the focus fits, as somebody does who sees where it is. */
-async function tabTo(page, what, fits) {
-  for (let steps = 0; steps < 250; steps += 1) {
-    await page.keyboard.press("Tab");
-    const found = await page.evaluate((source) => {
-      const element = document.activeElement;
-      const label = element?.getAttribute("aria-label") ?? element?.labels?.[0]?.innerText ?? element?.innerText ?? "";
-      const { width, height } = element?.getBoundingClientRect() ?? { width: 0, height: 0 };
-      return { id: element?.getAttribute("data-testid") ?? "", label: label.trim(), seen: width * height > 0, source };
-    });
-    assert.ok(found.seen || !fits(found), `${what} has the focus but is not seen`);
-    if (fits(found)) return;
-  }
-  assert.fail(`the tabulator does not come to ${what}`);
-}
+import { choose, downloaded, output, reading, ready, scenarios, shown, tabTo, until, violations } from "./bench.mjs";
 
 const at = (id) => (found) => found.id === id;
 const called = (label) => (found) => found.label === label;

@@ -84,12 +84,28 @@ export const pause = (ms) => new Promise((done) => setTimeout(done, ms));
 /** Waits until `look` gives something true, and returns it. */
 export async function until(what, look, patience = PATIENCE) {
   const end = Date.now() + patience;
-  for (;;) {
+  for (let wait = 5; ; wait = Math.min(2 * wait, 50)) {
     const seen = await look();
     if (seen) return seen;
     assert.ok(Date.now() < end, `waited ${patience / 1000} s in vain for: ${what}`);
-    await pause(50);
+    await pause(wait);
   }
+}
+
+/** Goes on with the tabulator until what has the focus fits, as somebody does who sees where it is. */
+export async function tabTo(page, what, fits) {
+  for (let steps = 0; steps < 250; steps += 1) {
+    await page.keyboard.press("Tab");
+    const found = await page.evaluate(() => {
+      const element = document.activeElement;
+      const label = element?.getAttribute("aria-label") ?? element?.labels?.[0]?.innerText ?? element?.innerText ?? "";
+      const { width, height } = element?.getBoundingClientRect() ?? { width: 0, height: 0 };
+      return { id: element?.getAttribute("data-testid") ?? "", label: label.trim(), seen: width * height > 0 };
+    });
+    assert.ok(found.seen || !fits(found), `${what} has the focus but is not seen`);
+    if (fits(found)) return;
+  }
+  assert.fail(`the tabulator does not come to ${what}`);
 }
 
 export const raster = (page) => page.getByTestId("raster");

@@ -15,6 +15,7 @@ import {
   save,
   scenarios,
   shown,
+  tabTo,
   told,
   until,
   violations,
@@ -121,10 +122,7 @@ async function shows_what_cannot_be_built_in_place_and_in_words(open) {
 async function works_by_keyboard_alone(open) {
   const page = await open();
   const before = await reading(page, "joint-boom");
-  await until("the tabulator at the boom's handle", async () => {
-    await page.keyboard.press("Tab");
-    return page.evaluate(() => document.activeElement?.getAttribute("data-testid") === "joint-boom");
-  });
+  await tabTo(page, "the boom's handle", ({ id }) => id === "joint-boom");
   await page.keyboard.press("ArrowUp");
   await page.keyboard.press("ArrowUp");
   await page.keyboard.press("Shift+ArrowUp");

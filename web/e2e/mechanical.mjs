@@ -2,7 +2,20 @@
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { basename, join } from "node:path";
-import { design, downloaded, drag, fill, output, pictures, reading, ready, scenarios, shown, until } from "./bench.mjs";
+import {
+  design,
+  downloaded,
+  drag,
+  fill,
+  output,
+  pause,
+  pictures,
+  reading,
+  ready,
+  scenarios,
+  shown,
+  until,
+} from "./bench.mjs";
 
 const tool = (page, name) => page.locator(".solid-tools").getByRole("button", { name, exact: true });
 const canvas = (page) => page.locator("[data-testid=solid] canvas");
@@ -171,6 +184,14 @@ async function cuts_open_takes_apart_and_moves(open) {
   }
   await tool(page, "Animate").click();
   assert.ok(await page.getByTestId("undo").isDisabled(), "looking changes nothing in the design");
+
+  // A crane at rest is not drawn again and again.
+  const drawings = () => canvas(page).getAttribute("data-drawn");
+  await until("the picture to stand still", async () => {
+    const before = await drawings();
+    await pause(1000);
+    return (await drawings()) === before;
+  });
   return seen;
 }
 

@@ -161,26 +161,24 @@ def curve(crane: Crane, mode: Mode = HARBOUR, *, radii: Sequence[float] | None =
     """The load chart of one mode: for each radius [m] the best posture; radii out of reach are left out.
 
     Radii are all whole metres and the end of the reach to a decimetre, unless given. The tip of each posture of a grid
-    of `count` per joint falls into a band about each radius, half as wide as the distance between radii and at most
-    0.125 m; the load is scaled to the radius by the moment, which is exact where a moment governs and changes it by
-    less than the width over the radius elsewhere. About the best posture of each radius ever finer grids are searched.
+    of `count` per joint falls into a band of 0.125 m to both sides of a radius; about the best of them ever finer grids
+    are searched. The load is scaled to the radius by the moment, which is exact where a moment governs and changes it
+    by less than the band over the radius elsewhere.
     """
     joints = len(plane_joints(crane))
     postures = grid(crane, count or evenly(joints, COUNTS, _MOST_POSTURES))
     found = capacity(crane, postures, mode)
     reach = found.radius.ravel()
     wanted = _whole(reach) if radii is None else np.asarray(radii, float)
-    spacing = np.min(np.diff(np.sort(wanted))) if radii is not None and len(wanted) > 1 else 1.0
-    band = min(_BAND, 0.25 * float(spacing)) if spacing > 0 else _BAND
     loads = found.swl.ravel()
     radii, starts = [], []
     for radius in wanted:
-        inside = np.flatnonzero(np.abs(reach - radius) <= band)
+        inside = np.flatnonzero(np.abs(reach - radius) <= _BAND)
         if inside.size:
             best = inside[np.argmax(loads[inside] * np.minimum(1.0, reach[inside] / radius))]
             radii.append(float(radius))
             starts.append(_posture(postures, np.unravel_index(int(best), found.swl.shape)))
-    return _refined(crane, mode, radii, starts, {name: _step(q) for name, q in postures.items()}, band)
+    return _refined(crane, mode, radii, starts, {name: _step(q) for name, q in postures.items()})
 
 
 def _refined(
@@ -189,7 +187,6 @@ def _refined(
     radii: Sequence[float],
     starts: Sequence[Mapping[str, float]],
     steps: dict[str, float],
-    band: float,
 ) -> list[Row]:
     """For each radius the best of the postures about its start, searched with ever finer steps; all radii at once."""
     if not radii:
@@ -208,7 +205,7 @@ def _refined(
         }
         found = capacity(crane, near, mode)
         scaled = found.swl * np.minimum(1.0, found.radius / wanted)
-        at = np.argmax(np.where(np.abs(found.radius - wanted) <= band + 1e-9, scaled, -1.0), axis=1)
+        at = np.argmax(np.where(np.abs(found.radius - wanted) <= _BAND + 1e-9, scaled, -1.0), axis=1)
         best = {name: q[rows, at] for name, q in near.items()}
     return [
         Row(
@@ -248,7 +245,7 @@ COUNTS = {1: 2000, 2: 256, 3: 40, 4: 16}
 """Postures per joint of a curve, by the number of joints in the plane."""
 
 _BAND = 0.125
-"""Half the width of the band about a radius, at most [m]."""
+"""How far from a radius the tip of its posture may be [m]."""
 
 _END = 0.25
 """How far beyond the last whole metre the end of the reach has a row of its own [m]."""

@@ -106,9 +106,12 @@ class Plane:
     """
 
     def __init__(self, crane: Crane, postures: Postures) -> None:
-        """`DesignError` if the crane does not move in one plane; every joint of the plane must be in `postures`."""
+        """`DesignError` if the crane does not move in one plane, or a joint of the plane is not in `postures`."""
         if problems := check_plane(crane):
             raise DesignError(problems)
+        names = [joint.name for joint in plane_joints(crane)]
+        if missing := [name for name in names if name not in postures]:
+            raise DesignError.at("posture", "lacks a joint", value=", ".join(missing), allowed=", ".join(names))
         self.crane = crane
         self._place = {FOOT: -1} | {link.name: i for i, link in enumerate(crane.links)}
         self._joints = {link.joint.name: (i, link.joint) for i, link in enumerate(crane.links)}

@@ -86,6 +86,23 @@ def test_a_curve_finds_what_a_hundred_times_as_many_postures_find() -> None:
         assert row.swl == pytest.approx(most, rel=0.13 / row.radius + 1e-9)
 
 
+def test_radii_close_to_each_other_are_charted_alike() -> None:
+    near = chart.curve(OFFSHORE, radii=[14.99, 15.0, 15.001, 27.3, 27.31])
+    whole = {row.radius: row.swl for row in chart.curve(OFFSHORE)}
+    assert [row.radius for row in near] == [14.99, 15.0, 15.001, 27.3, 27.31]
+    assert near[0].swl == pytest.approx(near[2].swl, rel=2e-3)
+    assert near[1].swl == whole[15.0]
+    assert near[3].swl == pytest.approx(near[4].swl, rel=2e-3)
+    for row in near:
+        assert geometry.radius(OFFSHORE, row.posture) == pytest.approx(row.radius, abs=0.13)
+        assert row.swl <= min(chart.each_limit(OFFSHORE, row.posture).values()) * (1 + 1e-9)
+
+
+def test_a_posture_without_a_joint_is_refused() -> None:
+    with pytest.raises(DesignError, match=r"posture: lacks a joint \(got 'jib'\); allowed: luff, jib"):
+        chart.each_limit(OFFSHORE, {"luff": 1.0})
+
+
 def test_a_chain_of_as_many_links_as_there_may_be_is_charted_within_a_few_postures() -> None:
     """Eleven joints in the plane, which no grid of all of them together could fill; the last carries little alone."""
     column, boom, _ = OFFSHORE.links

@@ -126,7 +126,7 @@ def _draw_section(crane: Crane, mode: Mode, path: Path) -> None:
 
     where = workspace.section(crane, 400 if len(planar.plane_joints(crane)) == 2 else 160)
     best = workspace.loads(crane, where, mode)
-    view = sheet.side_view(crane, sheet.half_way(crane))
+    view = sheet.side_view(crane, sheet.at_work(crane))
     title = f"{crane.name}, {mode.name}: load of the best posture"
     _save(charts.load_section(where.radius, where.height, best, view, title), path)
 

@@ -25,8 +25,7 @@ def content(crane: Crane, provenance: str) -> Sheet:
     """What the sheet says and shows."""
     where = workspace.section(crane, 240 if len(plane_joints(crane)) == 2 else 120)
     curves = {mode.name: chart.curve(crane, mode) for mode in chart.modes(crane)}
-    rows = curves[chart.HARBOUR.name]
-    posture = rows[len(rows) // 2].posture if rows else half_way(crane)
+    posture = at_work(crane)
     x, _, z = geometry.tip(crane, posture)
     return Sheet(
         name=crane.name,
@@ -106,6 +105,12 @@ def _bar(start: np.ndarray, end: np.ndarray, width: float) -> Shape:
     aside = 0.5 * width * np.array([-along[1], along[0]])
     ring = np.array([start - aside, end - aside, end + aside, start + aside])
     return Shape(ring[[[0, 1, 2], [0, 2, 3]]], np.stack([ring, np.roll(ring, -1, axis=0)], axis=1))
+
+
+def at_work(crane: Crane) -> dict[str, float]:
+    """The best posture in harbour at the middle radius of the load chart."""
+    rows = chart.curve(crane)
+    return rows[len(rows) // 2].posture if rows else half_way(crane)
 
 
 def half_way(crane: Crane) -> dict[str, float]:

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 Vector = npt.NDArray[np.float64]
 Line = tuple[Sequence[float], Sequence[float]]
 
-_CAP = 4.0
-"""Loads beyond so many times their median are drawn as that."""
+_TOP = 93.0
+"""The percentile of the loads at which the colours end."""
 
 NOT_CERTIFIED = "Computed from a design. Not a certified load chart."
 
@@ -80,8 +80,8 @@ def draw_load_section(
     tonnes = np.ma.masked_invalid(load / 1e3)
     most = float(tonnes.max()) if tonnes.count() else 0.0
     # Close to the slewing axis a moment allows any load: colours are for what is lifted where the crane works.
-    top = min(most, _CAP * float(np.median(tonnes.compressed()))) if tonnes.count() else 0.0
-    top = top if top > 0 else most or 1.0
+    lifted = tonnes.compressed()[tonnes.compressed() > 0]
+    top = float(f"{np.percentile(lifted, _TOP):.2g}") if lifted.size else 1.0
     colours = axes.pcolormesh(
         radius, height, tonnes, cmap="viridis", shading="nearest", rasterized=True, vmin=0.0, vmax=top
     )

@@ -9,10 +9,12 @@ import msgspec
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
 from seacrane import design
 from seacrane.design import Crane, chart, geometry, mesh, sheet
+from seacrane.results import charts
 from seacrane.results.data_sheet import pages
 from seacrane.units import deg, kN
 
@@ -99,6 +101,21 @@ def test_the_side_view_shows_the_crane_where_it_is_and_no_hollow(name: str) -> N
     assert sum(len(shape.covers) for shape in seen) < whole + 4 * len(crane.cylinders)
     low = min(shape.edges.min() for shape in seen)
     assert low > -crane_size(crane)
+
+
+@pytest.mark.parametrize("name", design.names())
+@pytest.mark.parametrize("mode", ["harbour", "hs2.0"])
+def test_the_colours_of_a_section_tell_loads_apart_where_the_crane_works(name: str, mode: str) -> None:
+    crane = design.load(name)
+    where = design.workspace.section(crane, 60)
+    loads = design.workspace.loads(crane, where, chart.mode(crane, mode)) / 1e3
+    figure = charts.load_section(where.radius, where.height, loads * 1e3)
+    colours = next(item for item in figure.axes[0].collections if isinstance(item, QuadMesh))
+    low, high = colours.get_clim()
+    lifted = loads[loads > 0]
+    assert low == 0
+    assert np.mean(lifted > 1.1 * high) < 0.1
+    assert high <= 1.06 * lifted.max()
 
 
 def crane_size(crane: Crane) -> float:

@@ -13,6 +13,8 @@ const BOTTOM = 26;
 const BAND = 0.5;
 /** Half the width of a name on a curve [px]. */
 const NAME = 30;
+/** Above this the name of the axis stands at the left [px]. */
+const CORNER = 24;
 
 /** The curves of a crane, newest last; those shown stay until the new ones are there. */
 export function useCurves(charts: Charts, crane: Crane): readonly Curve[] {
@@ -141,11 +143,13 @@ export function Plot({ lines, rated = [] }: { lines: readonly Line[]; rated?: Cr
             <circle className="cursor" cx={x(chosen!.radius[band])} cy={y(load)} r={3.5} />
           )}
         </g>
-        {namesOn(named, y, aside, furthest - aside).map(({ name, radius, load: value }) => (
-          <text key={name} className="curve" x={x(radius)} y={y(value) - 4} textAnchor="middle">
-            {name}
-          </text>
-        ))}
+        {namesOn(named, y, aside, furthest - aside)
+          .filter(({ radius, load: value }) => y(value) > CORNER || x(radius) > LEFT + 3 * NAME)
+          .map(({ name, radius, load: value }) => (
+            <text key={name} className="curve" x={x(radius)} y={y(value) - 4} textAnchor="middle">
+              {name}
+            </text>
+          ))}
         <text className="name" x={width - 8} y={height - 1} textAnchor="end">
           radius [m]
         </text>

@@ -54,6 +54,15 @@ export function Verdict() {
         <br />
         dynamic factor <b data-testid="dynamic">{fixed(value.dynamic, 2)}</b>
       </p>
+      <button
+        type="button"
+        className="wide"
+        data-testid="simulate"
+        disabled={!(value.load > 0)}
+        onClick={() => simulate(bench)}
+      >
+        Simulate from here with {fixed(value.load / TONNE, 1)} t
+      </button>
       <table data-testid="limits">
         <caption>Allowed by each limit alone; its use as a bar</caption>
         <tbody>
@@ -74,15 +83,6 @@ export function Verdict() {
           No cylinder moves {free.join(", ")}: taken as held, without a limit of its own.
         </p>
       )}
-      <button
-        type="button"
-        className="wide"
-        data-testid="simulate"
-        disabled={!(value.load > 0)}
-        onClick={() => simulate(bench)}
-      >
-        Simulate from here with {fixed(value.load / TONNE, 1)} t
-      </button>
     </section>
   );
 }

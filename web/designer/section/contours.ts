@@ -33,7 +33,7 @@ export function labels(section: Section, step: number, most: number): Label[] {
       const next = Math.floor(load[cell + 1] / step);
       if (!(Math.abs(band - next) === 1)) continue;
       const level = Math.max(band, next);
-      if (level * step > most) continue;
+      if (level * step > 2 * most) continue;
       if (!(load[cell - margin] >= 0 && load[cell + margin] >= 0)) continue;
       if (!(load[cell - margin * width] >= 0 && load[cell + margin * width] >= 0)) continue;
       const cells = candidates.get(level);

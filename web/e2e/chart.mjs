@@ -38,7 +38,7 @@ async function tells_the_load_as_the_rating_changes(open) {
   for (const name of ["hs1.0", "hs1.5", "hs2.0", "hs2.5", "harbour"])
     seen[name] = await told(page, () => page.getByTestId(`mode-${name}`).click());
   await page.getByTestId("select-rating").click();
-  seen.heel = await told(page, () => fill(page, "Heel or trim", "4"));
+  seen.heel = await told(page, () => fill(page, "Heel", "4"));
   await pictures(page, "rating");
   await page.getByTestId("select-hoist").click();
   seen.falls = await told(page, () => fill(page, "Falls", "2"));

@@ -34,7 +34,10 @@ describe("what cylinders bear", () => {
   });
 
   it("is the working pressure where the cylinder governs, in harbour and at sea, heeled and reeved", () => {
-    const cases = { ...offshore, rating: { ...offshore.rating, slew_moment: null, heel: 0.05 } };
+    const cases = {
+      ...offshore,
+      rating: { ...offshore.rating, slew_moment: null, slew_torque: null, heel: 0.05, trim: 0.03 },
+    };
     const crane = set(set(cases, ["hoist", "falls"], 2), ["hoist", "hook_mass"], 1500);
     for (const mode of modes(crane)) {
       const { governs, held } = verdict(crane, { luff: 0.4, jib: -0.2 }, mode);

@@ -36,5 +36,8 @@ describe("a quantity", () => {
     expect(written(0.1 + 0.2, "m")).toBe("0.3");
     expect(written(-Math.PI / 4, "deg")).toBe("\u221245");
     expect(written(28e6, "bar")).toBe("280");
+    // in a narrow field the exponent of such a number is not seen
+    expect(written(-2.34928e-17, "m")).toBe("0");
+    expect(written(1e-6, "m")).toBe("0.000001");
   });
 });

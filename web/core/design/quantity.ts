@@ -167,7 +167,11 @@ class Reader {
   }
 }
 
+/** Less than this of any unit shown is what a computer leaves of nothing. */
+const NOTHING = 1e-10;
+
 /** An SI value in the unit shown, with no more digits than it has, at most eight. */
 export function written(value: number, shown: UnitSymbol): string {
-  return String(Number((value / factor(shown)).toPrecision(8))).replace("-", "\u2212");
+  const amount = value / factor(shown);
+  return String(Math.abs(amount) < NOTHING ? 0 : Number(amount.toPrecision(8))).replace("-", "\u2212");
 }

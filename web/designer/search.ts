@@ -26,17 +26,21 @@ export function keyOf(front: Front, index: number): string {
 export function createSearch(designer: DesignerStore) {
   const store = createStore<Searching>(() => ({ told: null, failure: null, asked: null, taken: null }));
   let timer: ReturnType<typeof setTimeout> | undefined;
+  let lost = false;
 
-  /** What the server knows, asked again and again while it searches. */
+  /** What the server knows, asked again and again while it searches, though it cannot be reached for a while. */
   const look = async () => {
     clearTimeout(timer);
     try {
       const told = await search();
-      store.setState({ told });
-      if (told.running) timer = setTimeout(look, EVERY);
+      store.setState(lost ? { told, failure: null } : { told });
+      lost = false;
     } catch (error) {
-      store.setState({ failure: (error as Error).message });
+      lost = true;
+      const why = (error as Error).message;
+      store.setState({ failure: running() ? `What the search has found since is not known. ${why}` : why });
     }
+    if (running()) timer = setTimeout(look, EVERY);
   };
   const order = async (what: () => Promise<Search | null>) => {
     store.setState({ failure: null });

@@ -1,7 +1,8 @@
 // The search for better designs in a real browser: see bench.mjs.
 import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
 import { join } from "node:path";
-import { output, scenarios } from "./bench.mjs";
+import { downloaded, output, scenarios, until } from "./bench.mjs";
 
 async function searches(open) {
   const page = await open({ viewport: { width: 1280, height: 900 }, colorScheme: "light" });
@@ -35,7 +36,7 @@ async function searches(open) {
 
   const stands = await bore();
   await page.getByTestId("search-start").click();
-  await generation(2);
+  await page.getByTestId("generation").getByText("generation 2 of 2").waitFor();
   await page.waitForSelector("[data-testid=generation][data-running=false]");
 
   // The numbers of a point, then the design of it.
@@ -79,4 +80,35 @@ async function searches(open) {
   await page.waitForSelector("[data-testid=generation][data-running=false]");
 }
 
-await scenarios({ searches });
+async function keeps_what_was_found_when_the_server_is_lost(open) {
+  const page = await open();
+  await page.getByTestId("show-optimise").click();
+  for (const [label, value] of [
+    ["Population", "6"],
+    ["Generations", "1000"],
+  ]) {
+    await page.getByLabel(label, { exact: true }).fill(value);
+    await page.getByLabel(label, { exact: true }).press("Enter");
+  }
+  await page.getByTestId("search-start").click();
+  const generation = async () => Number(await page.getByTestId("generation").getAttribute("data-value"));
+  await until("a generation", async () => (await page.getByTestId("generation").count()) && (await generation()) > 0);
+  await page.context().setOffline(true);
+  await page.getByTestId("search-failure").getByText("is not known").waitFor();
+  const found = await generation();
+  const path = await downloaded(page, () => page.getByTestId("front-save").click());
+  assert.equal(JSON.parse(await readFile(path, "utf8")).generation, found);
+
+  // Once it is there again the page goes on by itself.
+  await page.context().setOffline(false);
+  await until("a later generation", async () => (await generation()) > found);
+  assert.equal(await page.getByTestId("search-failure").count(), 0);
+  await page.getByTestId("search-stop").click();
+  await page.waitForSelector("[data-testid=generation][data-running=false]");
+
+  // What was saved is gone on from, as by a server that was begun anew.
+  await page.getByTestId("front-file").setInputFiles(path);
+  await page.waitForSelector(`[data-testid=generation][data-value="${found}"][data-running=false]`);
+}
+
+await scenarios({ searches, keeps_what_was_found_when_the_server_is_lost });

@@ -83,7 +83,7 @@ export function Optimise() {
             Go on for {search.further()} more
           </button>
         )}
-        {front && !running && (
+        {front && (
           <button
             type="button"
             title="A file from which `seacrane design optimise --front` goes on too"

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -42,17 +45,42 @@ def parsed(content: bytes | str, origin: str, error: type[SeacraneError]) -> Any
 
 
 def write(content: str | bytes, path: str | os.PathLike[str]) -> None:
-    """Write a file, text as UTF-8; an existing file is replaced only once the new one is complete."""
-    target = Path(path)
-    handle, beside = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent or Path())
+    """Write a file, text as UTF-8, as `whole` does."""
+    with whole(path) as part:
+        part.write_bytes(content.encode() if isinstance(content, str) else content)
+
+
+@contextmanager
+def whole(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """The file to write in place of `path`, with its suffix: it replaces what is there once the block has ended well.
+
+    What is no file, such as a pipe or a device, is then written to. `OSError` with the name of `path`.
+    """
+    given = Path(path)
+    device = given.exists() and not given.is_file()
+    target = given if device else given.resolve()
     try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content.encode() if isinstance(content, str) else content)
-        os.chmod(beside, 0o666 & ~_umask())
-        os.replace(beside, target)
-    except BaseException:
-        Path(beside).unlink(missing_ok=True)
-        raise
+        handle, name = tempfile.mkstemp(
+            prefix=f".{target.stem}.", suffix=target.suffix, dir=None if device else target.parent
+        )
+        os.close(handle)
+        part = Path(name)
+        try:
+            yield part
+            with part.open("rb") as file:
+                os.fsync(file.fileno())
+                if device:
+                    with target.open("wb") as into:
+                        shutil.copyfileobj(file, into)
+            if not device:
+                part.chmod(0o666 & ~_umask())
+                part.replace(target)
+        finally:
+            part.unlink(missing_ok=True)
+    except OSError as failure:
+        if failure.filename and not Path(failure.filename).name.startswith(f".{target.stem}."):
+            raise  # of another file, which the block was reading
+        raise OSError(failure.errno, failure.strerror or str(failure), os.fspath(path)) from failure
 
 
 def _umask() -> int:

@@ -154,3 +154,9 @@ def test_a_search_that_is_killed_or_interrupted_goes_on_to_the_same_end(tmp_path
     for front in (part, whole):
         subprocess.run(command(front, generations), check=True, capture_output=True, timeout=300)
     assert part.read_bytes() == whole.read_bytes()
+
+
+@pytest.mark.skipif(not Path("/dev/full").is_char_device(), reason="there is no full device")
+def test_a_chart_for_a_full_disk_is_an_error_in_words(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["design", "chart", "a-frame-30t", "--csv", "/dev/full"]) == 2
+    assert capsys.readouterr().err == "seacrane: /dev/full: No space left on device\n"

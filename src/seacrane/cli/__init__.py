@@ -30,6 +30,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # who read the output has seen enough
         sys.stdout = None
         return 0
+    except OSError as error:
+        print(f"seacrane: {error.filename or 'system'}: {error.strerror or error}", file=sys.stderr)
+        return 2
     return status
 
 

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
+from seacrane import documents
 from seacrane.errors import Problem
 
 if TYPE_CHECKING:
@@ -53,10 +54,6 @@ def verdict(file: str | os.PathLike[str], problems: Sequence[Problem]) -> int:
 
 
 def save_figure(figure: Figure, path: Path) -> None:
-    """Write beside and rename: an existing picture is replaced only once the new one is complete."""
-    beside = path.with_name(f".{path.stem}.part{path.suffix}")
-    try:
-        figure.savefig(beside)
-        beside.replace(path)
-    finally:
-        beside.unlink(missing_ok=True)
+    """An existing picture is replaced only once the new one is complete."""
+    with documents.whole(path) as part:
+        figure.savefig(part)

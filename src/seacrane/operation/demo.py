@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from seacrane import design, ocean, plant
+from seacrane import design, documents, ocean, plant
 from seacrane.control import HOIST, axis_names
 from seacrane.cosim import Execution, FmuSlave, GaussSeidel, RealTime, System
 from seacrane.errors import ParameterError, Problem
@@ -224,6 +224,4 @@ def summary(report: Mapping[str, Any]) -> str:
 
 def write_report(report: Mapping[str, Any], path: Path) -> None:
     """Write the report as JSON, whole or not at all."""
-    partial = path.with_name(f".{path.name}.partial")
-    partial.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-    partial.replace(path)
+    documents.write(json.dumps(report, indent=2) + "\n", path)

@@ -26,7 +26,7 @@ import numpy.typing as npt
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from seacrane import units
+from seacrane import documents, units
 from seacrane.errors import ParameterError, Problem, nearest
 from seacrane.results.csv_file import COLUMN
 from seacrane.results.recording import Recording, Signal
@@ -312,7 +312,7 @@ def to_parquet(source: Source, target: str | Path) -> Converted:
     `OSError` if it cannot be written; a file that was there before is then still there.
     """
     schema = _schema(source.signals)
-    with Beside(target) as beside:
+    with documents.whole(target) as beside:
         rows = 0
         with pq.ParquetWriter(beside, schema, compression="zstd", use_dictionary=False) as writer:
             for table in _gathered(source):
@@ -345,33 +345,13 @@ def write(recording: Recording, path: str | Path) -> None:
     """Write a recording as Parquet; `OSError` if it cannot be written."""
     signals = {name: (signal.unit, signal.display) for name, signal in recording.signals.items()}
     columns = [recording.time, *(signal.values for signal in recording.signals.values())]
-    with Beside(path) as beside:
+    with documents.whole(path) as beside:
         pq.write_table(
             pa.table([pa.array(c) for c in columns], schema=_schema(signals)),
             beside,
             compression="zstd",
             use_dictionary=False,
         )
-
-
-class Beside:
-    """A file beside `target` that takes its place when the block ends well, and is gone if it does not."""
-
-    def __init__(self, target: str | Path) -> None:
-        self._target = Path(target)
-        self._path = self._target.with_name(f".{self._target.name}.{os.getpid()}")
-
-    def __enter__(self) -> Path:
-        return self._path
-
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        try:
-            if kind is None:
-                with self._path.open("rb") as file:
-                    os.fsync(file.fileno())
-                self._path.replace(self._target)
-        finally:
-            self._path.unlink(missing_ok=True)
 
 
 def _first_line(error: BaseException) -> str:

@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import csv
 import io
-import os
 import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
 
-from seacrane import units
+from seacrane import documents, units
 from seacrane.errors import ParameterError, Problem, nearest
 from seacrane.results.recording import Recording, signals_of
 
@@ -37,16 +36,10 @@ def rows(table: Iterable[Iterable[float]]) -> str:
 
 
 def write(recording: Recording, path: str | Path) -> None:
-    """Write beside and rename, so that no half-written file is ever found under `path`."""
-    path = Path(path)
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    """No half-written file is ever found under `path`."""
     columns = [recording.time, *(s.values for s in recording.signals.values())]
     table = np.column_stack(columns).tolist() if len(recording) else []
-    try:
-        beside.write_text(header({n: s.unit for n, s in recording.signals.items()}) + rows(table), encoding="utf-8")
-        beside.replace(path)
-    finally:
-        beside.unlink(missing_ok=True)
+    documents.write(header({n: s.unit for n, s in recording.signals.items()}) + rows(table), path)
 
 
 def read(path: str | Path) -> Recording:

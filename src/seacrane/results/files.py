@@ -7,9 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
+from seacrane import documents
 from seacrane.errors import ParameterError
 from seacrane.results import columnar, csv_file
-from seacrane.results.columnar import Beside, Converted
+from seacrane.results.columnar import Converted
 from seacrane.results.recording import Recording
 
 _MAGIC = (b"PAR1", b"ARROW1", b"\xff\xff\xff\xff")
@@ -63,7 +64,7 @@ def _from_csv(source: str | Path, target: Path) -> Converted:
 
 def _to_csv(source: columnar.Source, target: Path) -> Converted:
     rows = 0
-    with Beside(target) as beside, beside.open("w", encoding="utf-8") as file:
+    with documents.whole(target) as part, part.open("w", encoding="utf-8") as file:
         file.write(csv_file.header({name: unit for name, (unit, _) in source.signals.items()}))
         for batch in source.batches():
             table = np.column_stack([column.to_numpy(zero_copy_only=False) for column in batch.columns])

@@ -171,9 +171,10 @@ def curve(crane: Crane, mode: Mode = HARBOUR, *, radii: Sequence[float] | None =
     reach = found.radius.ravel()
     wanted = _whole(reach) if radii is None else np.asarray(radii, float)
     loads = found.swl.ravel()
+    order = np.argsort(reach)
     radii, starts = [], []
     for radius in wanted:
-        inside = np.flatnonzero(np.abs(reach - radius) <= _BAND)
+        inside = order[slice(*np.searchsorted(reach, (radius - _BAND, radius + _BAND), sorter=order))]
         if inside.size:
             best = inside[np.argmax(loads[inside] * np.minimum(1.0, reach[inside] / radius))]
             radii.append(float(radius))
@@ -193,40 +194,37 @@ def _refined(
         return []
     joints = plane_joints(crane)
     about = _about(len(joints))
-    wanted = np.asarray(radii)[:, None]
+    wanted = np.asarray(radii)
     best = {joint.name: np.array([start[joint.name] for start in starts]) for joint in joints}
     rows = np.arange(len(radii))
     for scale in _ZOOMS:
-        near = {
-            joint.name: np.clip(
-                best[joint.name][:, None] + scale * steps[joint.name] * offset, *(joint.limits or (0.0, 0.0))
-            )
-            for joint, offset in zip(joints, about, strict=True)
-        }
+        near = {}
+        for joint, offset in zip(joints, about, strict=True):
+            middle = best[joint.name].reshape(-1, *[1] * offset.ndim)
+            near[joint.name] = np.clip(middle + scale * steps[joint.name] * offset, *(joint.limits or (0.0, 0.0)))
         found = capacity(crane, near, mode)
-        scaled = found.swl * np.minimum(1.0, found.radius / wanted)
-        at = np.argmax(np.where(np.abs(found.radius - wanted) <= _BAND + 1e-9, scaled, -1.0), axis=1)
-        best = {name: q[rows, at] for name, q in near.items()}
+        radius, swl, governs = (a.reshape(len(rows), -1) for a in (found.radius, found.swl, found.governs))
+        scaled = swl * np.minimum(1.0, radius / wanted[:, None])
+        at = np.argmax(np.where(np.abs(radius - wanted[:, None]) <= _BAND + 1e-9, scaled, -1.0), axis=1)
+        shape = found.swl.shape
+        best = {name: np.broadcast_to(q, shape).reshape(len(rows), -1)[rows, at] for name, q in near.items()}
     return [
         Row(
             mode.name,
-            radius,
+            float(wanted[row]),
             float(scaled[row, k]),
-            found.limits[found.governs[row, k]],
+            found.limits[governs[row, k]],
             {name: float(q[row]) for name, q in best.items()},
         )
-        for row, (radius, k) in enumerate(zip(radii, at, strict=True))
+        for row, k in enumerate(at)
     ]
 
 
-def _about(joints: int) -> Array:
-    """Offsets (joints, n) about a posture, itself among them: of all joints together, or of many one by one."""
+def _about(joints: int) -> list[Array]:
+    """For each joint offsets about a posture, 0 among them: a grid of all joints, or of many one by one."""
     if joints not in _ABOUT:
-        return np.concatenate(
-            [np.zeros((joints, 1)), *(share * np.eye(joints) for share in (-1, -0.5, 0.5, 1))], axis=1
-        )
-    each = np.linspace(-1.0, 1.0, _ABOUT[joints])
-    return np.stack([offset.ravel() for offset in np.meshgrid(*[each] * joints, indexing="ij")])
+        return list(np.hstack([np.zeros((joints, 1)), *(share * np.eye(joints) for share in (-1, -0.5, 0.5, 1))]))
+    return list(np.meshgrid(*[np.linspace(-1.0, 1.0, _ABOUT[joints])] * joints, indexing="ij", sparse=True))
 
 
 def _step(coordinates: Array) -> float:
@@ -257,7 +255,7 @@ _MOST_POSTURES = 65536
 _ABOUT = {1: 41, 2: 9, 3: 7, 4: 5}
 """Postures per joint about the best so far, by the number of joints: odd numbers, so that it is one of them."""
 
-_ZOOMS = (1.0, 1.0, 0.5, 0.5, 0.25, 0.1)
+_ZOOMS = (1.5, 1.0, 0.6, 0.3, 0.15)
 """How far to both sides, one search after the other, in steps of the grid before."""
 
 

@@ -34,7 +34,7 @@ const MOST_POSTURES = 1_000_000;
 const MOST_COORDINATES = 1200;
 /** So that fewer cells are fewer postures; where three joints leave a choice, refining brings the others. */
 const POSTURES_PER_CELL = 2.8;
-const CHOSEN_PER_CELL = 1.6;
+const CHOSEN_PER_CELL = 1.4;
 
 // The load in 1/32 kg and the index of its posture share a number, so that the better of two postures is the larger number.
 const INDICES = 2 ** 25;

@@ -9,6 +9,7 @@ import sys
 import time
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from seacrane import design, studies
@@ -154,6 +155,22 @@ def test_a_search_that_is_killed_or_interrupted_goes_on_to_the_same_end(tmp_path
     for front in (part, whole):
         subprocess.run(command(front, generations), check=True, capture_output=True, timeout=300)
     assert part.read_bytes() == whole.read_bytes()
+
+
+def test_a_check_warns_of_what_is_hard_to_build_and_passes_what_is_shipped(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in design.names():
+        assert main(["design", "check", name]) == 0
+    assert capsys.readouterr().out == "".join(f"{name}: no problems\n" for name in design.names())
+    crane = design.load("offshore-100t")
+    thin = msgspec.structs.replace(crane.cylinder("boom_cylinder"), rod=0.12)
+    design.save(msgspec.structs.replace(crane, cylinders=(thin, *crane.cylinders[1:])), tmp_path / "thin.json")
+    assert main(["design", "check", str(tmp_path / "thin.json")]) == 0
+    warning, verdict = capsys.readouterr().out.splitlines()
+    assert warning.startswith("hard to build: boom_cylinder: it is only ")
+    assert "against buckling" in warning
+    assert verdict.endswith("thin.json: no problems")
 
 
 @pytest.mark.skipif(not Path("/dev/full").is_char_device(), reason="there is no full device")

@@ -28,7 +28,7 @@ def add(commands: Commands) -> None:
     design = commands.add_parser("design", help="look at a design").add_subparsers(required=True, metavar="ACTION")
     show = design.add_parser("show", help="print what a crane is and how far it reaches")
     show.set_defaults(run=_show)
-    check = design.add_parser("check", help="list all that is wrong with a design")
+    check = design.add_parser("check", help="list all that is wrong with a design, and what makes it hard to build")
     check.set_defaults(run=_check)
     chart = design.add_parser("chart", help="print the load chart: load over radius, and what governs")
     chart.add_argument("--mode", metavar="NAME", help="harbour, or a wave height such as hs2.0; all unless given")
@@ -86,10 +86,14 @@ def _show(options: argparse.Namespace) -> int:
 
 
 def _check(options: argparse.Namespace) -> int:
+    from seacrane import studies
+
     try:
-        load(options.design)
+        crane = load(options.design)
     except DesignError as error:
         return verdict(options.design, error.problems)
+    for words in studies.why_not(crane):
+        print(f"hard to build: {words}")
     return verdict(options.design, ())
 
 

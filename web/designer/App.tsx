@@ -19,6 +19,7 @@ import { TopBar } from "./panels/TopBar";
 import { useVerdict, Verdict } from "./panels/Verdict";
 import { VersionsDialog } from "./panels/Versions";
 import { Section } from "./section/Section";
+import { WORKSPACE } from "./view";
 
 const Solid = lazy(() => import("./solid/Solid"));
 
@@ -84,7 +85,7 @@ function Stage() {
         <div className="edge">
           <Separator
             label="Width of the workspace"
-            controls="workspace"
+            controls={WORKSPACE}
             value={percent}
             range={[100 * SHARES[0], 100 * SHARES[1]]}
             text={`${percent} percent`}

@@ -14,7 +14,7 @@ import { saveJson } from "./saving";
 import { SHIPPED } from "./shipped";
 import { simulate } from "./simulate";
 import type { DesignerStore, Selection } from "./store";
-import { CLOSER, type Dialog, type Show, type Tools } from "./view";
+import { CLOSER, type Dialog, type Show, type Tools, WORKSPACE } from "./view";
 
 export type Group = "Design" | "Change" | "Show" | "Load chart" | "Search for designs" | "Panels" | "Go to" | "Help";
 
@@ -377,8 +377,9 @@ function ofPanels({ layout }: Bench): Command[] {
   ];
 }
 
-function ofPlaces({ designer }: Bench): Command[] {
+function ofPlaces({ designer, view }: Bench): Command[] {
   const { crane, selection } = designer.store.getState();
+  const { show } = view.store.getState();
   const group = "Go to";
   const place = (label: string, to: Selection): Command => ({
     id: `go-${to.kind}${"index" in to ? `-${to.index}` : ""}`,
@@ -393,6 +394,14 @@ function ofPlaces({ designer }: Bench): Command[] {
     ...crane.cylinders.map((cylinder, index) => place(cylinder.name, { kind: "cylinder", index })),
     place("the hoist", { kind: "hoist" }),
     place("the rating", { kind: "rating" }),
+    {
+      id: "go-handles",
+      group,
+      label: "Handles in the drawing",
+      keys: ["H"],
+      cannot: show === "solid" ? "the workspace is not shown" : null,
+      run: () => document.querySelector<SVGElement>(`#${WORKSPACE} [role="slider"]`)?.focus(),
+    },
   ];
 }
 

@@ -85,6 +85,16 @@ describe("keys", () => {
     expect(on.view.store.getState().dialog).toBe("help");
   });
 
+  it("lead to the handles of the drawing, which are far to tab to", () => {
+    const on = bench();
+    document.body.innerHTML = `<div id="workspace"><svg><g role="slider" tabindex="0" id="first"></g></svg></div>`;
+    press(on, "h");
+    expect(document.activeElement?.id).toBe("first");
+    document.body.innerHTML = "";
+    on.view.set({ show: "solid" });
+    expect(named(on, "go-handles").cannot).toBe("the workspace is not shown");
+  });
+
   it("belong to a field that is typed in, and to a dialog, but for those that no text needs", () => {
     const on = bench();
     const field = document.createElement("input");

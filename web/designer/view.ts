@@ -4,6 +4,9 @@ import type { Verdict } from "../core/design/curve";
 import type { Window } from "./section/window";
 import type { DesignerStore } from "./store";
 
+/** Where the workspace is in the page. */
+export const WORKSPACE = "workspace";
+
 export type Show = "section" | "both" | "solid";
 export type Results = "chart" | "optimise";
 export type Dialog = "new" | "versions" | "compare" | "link" | "help" | "palette";

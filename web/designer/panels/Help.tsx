@@ -12,7 +12,7 @@ const HANDLES: readonly (readonly [string, string])[] = [
   ["Alt while dragging", "no snapping (else 0.1 m and 1\u00b0)"],
   ["Shift while dragging, or with the arrows", "fine: 0.01 m and 0.1\u00b0"],
   ["Esc while dragging", "as it was"],
-  ["Tab, then the arrows", "from handle to handle; moves it"],
+  ["H, Tab, then the arrows", "to the handles, from one to the next; moves it"],
   ["In a field", "8 ft, 420 mm, 2*(3.5 m + 300 mm); arrows step; drag the label or the number"],
   ["Tab to the edge of a panel, then the arrows", "its width; Enter folds it away; double click: the usual width"],
 ];

@@ -8,7 +8,7 @@ import { fixed, TONNE } from "../../core/units";
 import type { Found, Painted } from "../chart.worker";
 import { useBench, useDesigner, useView } from "../context";
 import { follow } from "../pointer";
-import { CLOSER } from "../view";
+import { CLOSER, WORKSPACE } from "../view";
 import { ColourBar } from "./ColourBar";
 import { Drawing } from "./Drawing";
 import { Grid } from "./Grid";
@@ -234,7 +234,7 @@ export function Section() {
   const size = window && painted && painted.view.cell * window.scale;
 
   return (
-    <section id="workspace" className="section" aria-label="Section of the workspace" ref={host} data-testid="section">
+    <section id={WORKSPACE} className="section" aria-label="Section of the workspace" ref={host} data-testid="section">
       <canvas
         ref={canvas}
         data-testid="raster"

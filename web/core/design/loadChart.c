@@ -400,26 +400,30 @@ static void tabulate(int k) {
 }
 
 /* ------------------------------------------------------------- limits along a row */
+/* A raster is not told which limit governs: each of these is compiled twice. */
+#define TWICE static inline __attribute__((always_inline))
+
 /* Keeps the larger share, and by which limit; the whole of a limit that the crane exceeds by itself. */
-static inline void keep(int j, pair share, mask exceeded, pair by) {
+TWICE void keep(int j, pair share, mask exceeded, pair by, int tells) {
     const pair taken = most(share, (pair)(exceeded & (mask)both(__builtin_inf())));
-    GOVERNS[j] = where(taken > TAKEN[j], by, GOVERNS[j]);
+    if (tells) GOVERNS[j] = where(taken > TAKEN[j], by, GOVERNS[j]);
     TAKEN[j] = most(TAKEN[j], taken);
 }
 
 /* In harbour: what a newton on the hook takes of what the joint bears beyond its own moment. */
-static void bear(const struct bearing *bearing, int step, struct along own, struct along load) {
+TWICE void bear(const struct bearing *bearing, int step, struct along own, struct along load, int tells) {
     for (int j = 0; j < crane.pairs; j++, bearing += step) {
         const pair self = at(own, j), plumb = at(load, j) + bearing->pulled;
         const mask lifted = plumb < 0;
         const pair share = plumb / (where(lifted, bearing->low, bearing->high) - self);
         keep(j, share, (self > bearing->high) | (self < bearing->low),
-             where(lifted, bearing->low_by, bearing->high_by));
+             where(lifted, bearing->low_by, bearing->high_by), tells);
     }
 }
 
 /* At sea the same for the load hanging plumb and led outboard; and what the oil gives. */
-static void sway(const struct bearing *bearing, int step, struct along own, struct along load, struct along led) {
+TWICE void sway(const struct bearing *bearing, int step, struct along own, struct along load, struct along led,
+                int tells) {
     for (int j = 0; j < crane.pairs; j++, bearing += step) {
         const pair self = at(own, j), plumb = at(load, j) + bearing->pulled;
         const pair outboard = plumb + LEAD[j] * at(led, j);
@@ -427,7 +431,7 @@ static void sway(const struct bearing *bearing, int step, struct along own, stru
         const pair low = least(plumb, outboard) / (bearing->low - self);
         COMPLIANCE[j] += plumb * plumb * bearing->soft;
         keep(j, most(high, low), (self > bearing->high) | (self < bearing->low),
-             where(low > high, bearing->low_by, bearing->high_by));
+             where(low > high, bearing->low_by, bearing->high_by), tells);
     }
 }
 
@@ -458,10 +462,10 @@ static void meet(void) {
 }
 
 /* A limit to the moment of the load alone [kg.m], about an axis this far behind the slewing axis [m]. */
-static void within(double moment, double aside, double by) {
+TWICE void within(double moment, double aside, double by, int tells) {
     for (int j = 0; j < crane.pairs; j++) {
         const pair mass = moment / (most(RADIUS[j], both(1e-9)) + aside);
-        GOVERNS[j] = where(mass < LOAD[j], both(by), GOVERNS[j]);
+        if (tells) GOVERNS[j] = where(mass < LOAD[j], both(by), GOVERNS[j]);
         LOAD[j] = least(LOAD[j], mass);
     }
 }
@@ -561,20 +565,17 @@ static void sum(void) {
 }
 
 /* What the load takes of the slewing gear where the deck falls across the boom, the load leading to either side. */
-static void turn(struct along radius) {
+TWICE void turn(struct along radius, int tells) {
     const struct along none = {0, 0, 0}, own = plus(none, GRAVITY * crane.sine, crane.links[0].moment.x);
     const struct along plumb = plus(none, crane.sine, radius), side = plus(none, SIDELEAD * crane.cosine, radius);
     if (crane.impact > 0) {
-        sway(&crane.gear, 0, own, plumb, side);
-        sway(&crane.gear, 0, own, plumb, plus(none, -1, side));
-    } else bear(&crane.gear, 0, own, plumb);
+        sway(&crane.gear, 0, own, plumb, side, tells);
+        sway(&crane.gear, 0, own, plumb, plus(none, -1, side), tells);
+    } else bear(&crane.gear, 0, own, plumb, tells);
 }
 
-/* The loads of the row in which the joints stand now. */
-void EXPORT(row)(void) {
-    pose();
-    settle();
-    sum();
+/* Where the tips of the row are, and what they lift. */
+TWICE void lift(int tells) {
     /* upward, with the deck falling outboard */
     const double x = -crane.sine, z = crane.cosine;
     const struct point tip = point(crane.link_count - 1, crane.tip_x, crane.tip_z);
@@ -582,7 +583,7 @@ void EXPORT(row)(void) {
         RADIUS[j] = at(tip.x, j);
         HEIGHT[j] = at(tip.z, j);
         TAKEN[j] = both(crane.hoisted);
-        GOVERNS[j] = both(crane.hoisted_by);
+        if (tells) GOVERNS[j] = both(crane.hoisted_by);
     }
     if (crane.impact > 0) hang();
     for (int k = 0; k <= crane.joint_count; k++) {
@@ -591,15 +592,24 @@ void EXPORT(row)(void) {
         const struct link *const link = &crane.links[k < crane.joint_count ? joint->link : 0];
         const struct along own = work(k, link->moment, GRAVITY * x, GRAVITY * z, link->carried);
         const struct along plumb = work(k, tip, x, z, 1);
-        if (crane.impact > 0) sway(joint->bearing, joint->step, own, plumb, work(k, tip, -z, x, 1));
-        else bear(joint->bearing, joint->step, own, plumb);
+        if (crane.impact > 0) sway(joint->bearing, joint->step, own, plumb, work(k, tip, -z, x, 1), tells);
+        else bear(joint->bearing, joint->step, own, plumb, tells);
     }
-    if (crane.gear.high[0] < __builtin_inf()) turn(tip.x);
+    if (crane.gear.high[0] < __builtin_inf()) turn(tip.x, tells);
     if (crane.impact > 0) meet();
     else still();
-    if (crane.load_moment < __builtin_inf()) within(crane.load_moment, 0, crane.load_by);
-    if (crane.heeling_moment < __builtin_inf()) within(crane.heeling_moment, crane.aside, crane.heeling_by);
+    if (crane.load_moment < __builtin_inf()) within(crane.load_moment, 0, crane.load_by, tells);
+    if (crane.heeling_moment < __builtin_inf()) within(crane.heeling_moment, crane.aside, crane.heeling_by, tells);
     for (int j = 0; j < crane.pairs; j++) LOAD[j] = most(LOAD[j] - crane.hook, both(0));
+}
+
+/* The loads of the row in which the joints stand now, and, if wanted, what governs them. */
+void EXPORT(row)(int tells) {
+    pose();
+    settle();
+    sum();
+    if (tells) lift(1);
+    else lift(0);
 }
 
 /* ------------------------------------------------------------- a raster of the section */

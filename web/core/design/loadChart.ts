@@ -75,13 +75,14 @@ export function capacity(crane: Crane, coordinates: readonly ArrayLike<number>[]
 
 /**
  * Visits such a grid in rows: the first `count` of the arrays are the postures `at`, `at + stride` and so on of the grid,
- * until the next row takes their place.
+ * until the next row takes their place. What governs is there only if it is to tell that.
  */
 export function sweep(
   crane: Crane,
   coordinates: readonly ArrayLike<number>[],
   mode: Mode,
   visit: (row: Capacity, at: number, stride: number) => void,
+  tells = true,
 ): void {
   const counts = coordinates.map((values) => values.length);
   if (counts.length === 0 || counts.includes(0)) return;
@@ -110,7 +111,7 @@ export function sweep(
     const index = counts.map(() => 0);
     let at = from * strides[runs];
     for (let rest = (strides[0] * counts[0]) / running.length; rest > 0; rest -= 1) {
-      chart.row();
+      chart.row(tells);
       visit(row, at, strides[runs]);
       // the next posture of the standing joints, the last fastest
       for (let i = standing.length - 1; i >= 0; i -= 1) {
@@ -162,7 +163,7 @@ interface Chart {
   sea(offlead: number, impact: number): void;
   rows(runs: number, pairs: number): void;
   stand(k: number, q: number, c: number, s: number): void;
-  row(): void;
+  row(tells: boolean): void;
   raster(
     width: number,
     height: number,

@@ -34,7 +34,7 @@ const MOST_POSTURES = 1_000_000;
 const MOST_COORDINATES = 1200;
 /** So that fewer cells are fewer postures; where three joints leave a choice, refining brings the others. */
 const POSTURES_PER_CELL = 2.8;
-const CHOSEN_PER_CELL = 1.4;
+const CHOSEN_PER_CELL = 1.2;
 
 // The load in 1/32 kg and the index of its posture share a number, so that the better of two postures is the larger number.
 const INDICES = 2 ** 25;
@@ -180,7 +180,7 @@ export class Rasteriser {
   /** Let the postures of a grid take the cells where their tips are. */
   private sweep(crane: Crane, mode: Mode, grid: Grid): void {
     const { swept } = this;
-    sweep(crane, grid, mode, ({ count }, at, stride) => chart.bring(count, swept + at, stride));
+    sweep(crane, grid, mode, ({ count }, at, stride) => chart.bring(count, swept + at, stride), false);
     this.grids.push(grid);
     this.swept += size(grid);
   }

@@ -20,7 +20,6 @@ async function goes_from_an_empty_page_to_an_exported_crane_by_keyboard(open) {
   await page.keyboard.press("ArrowLeft");
   await tabTo(page, "the radius", called("Largest radius"));
   await page.keyboard.type("20");
-  await page.keyboard.press("Enter");
   await tabTo(page, "Create", at("create"));
   await page.keyboard.press("Enter");
   await page.getByTestId("select-by keys").waitFor();

@@ -68,6 +68,15 @@ describe("the form of a new crane", () => {
     expect(closed).toBe(false);
   });
 
+  it("makes one crane, however often it is told to", async () => {
+    const steps = designer.store.getState().past.length;
+    for (let i = 0; i < 2; i += 1)
+      document.querySelector("form")!.dispatchEvent(new Event("submit", { bubbles: true, cancelable: true }));
+    await submit();
+    await act(async () => new Promise((done) => setTimeout(done, 200)));
+    expect(designer.store.getState().past.length).toBe(steps + 1);
+  }, 30_000);
+
   it("makes the crane of the radius and the load that are typed", async () => {
     type("Largest radius", "80 ft");
     type("Load at this radius", "12");

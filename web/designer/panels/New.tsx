@@ -1,5 +1,5 @@
 import { Modal } from "@mantine/core";
-import { useState } from "react";
+import { useRef, useState } from "react";
 import { bare, newCrane } from "../../core/design/newCrane";
 import { furthestLoad } from "../../core/design/rated";
 import type { Crane } from "../../core/design/types";
@@ -26,7 +26,19 @@ export function NewCrane({ onClose }: { onClose: () => void }) {
   const [reach, setReach] = useState(25);
   const [load, setLoad] = useState<number | undefined>(undefined);
   const [name, setName] = useState("my crane");
+  // reading and sizing takes a moment, in which another Enter is not another crane
+  const made = useRef(false);
   const create = async () => {
+    if (made.current) return;
+    made.current = true;
+    try {
+      await open();
+    } catch (error) {
+      made.current = false;
+      designer.tell(`No crane was made: ${(error as Error).message}`, "wrong");
+    }
+  };
+  const open = async () => {
     const like = SHIPPED.find((item) => item.type === type) ?? SHIPPED.find((item) => item.name === "offshore-100t")!;
     const ready = await like.load();
     const short = type === CHAIN ? bare(ready) : ready;

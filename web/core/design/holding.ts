@@ -1,6 +1,6 @@
 // What the cylinders of a crane bear in a posture with a load on the hook: pressures from moments over lever arms, by the
 // same laws as the load chart (src/seacrane/design/chart.py).
-import { areas } from "./loadChart";
+import { areas, offlead } from "./loadChart";
 import { frames, type Posture, pin } from "./plane";
 import { type Attachment, type Crane, GRAVITY, type Mode, tilt } from "./types";
 
@@ -27,8 +27,7 @@ export interface Held {
  */
 export function holding(crane: Crane, posture: Posture, weight: number, mode: Mode): Held[] {
   const now = stateOf(crane, posture);
-  const offlead = mode.waveHeight > 0 ? 2.5 + 1.5 * mode.waveHeight : 0;
-  const lead = offlead / Math.max(now.height + crane.pedestal[2], LEAST_HANG);
+  const lead = offlead(mode) / Math.max(now.height + crane.pedestal[2], LEAST_HANG);
   return crane.cylinders.map((cylinder, i) => {
     const q = posture[cylinder.moves] ?? 0;
     const [after, before] = [STEP, -STEP].map((by) => stateOf(crane, { ...posture, [cylinder.moves]: q + by }));

@@ -52,6 +52,11 @@ export function meetingSpeed(crane: Crane, mode: Mode): number {
   return Math.hypot(deck, (crane.rating?.tip_speed_per_height ?? 0) * mode.waveHeight);
 }
 
+/** How far outboard a load may lead at the sea's surface [m]; not at all in harbour. */
+export function offlead({ waveHeight }: Mode): number {
+  return waveHeight > 0 ? 2.5 + 1.5 * waveHeight : 0;
+}
+
 /** Weight on the hook over (falls times tension at the winch), each sheave turning. */
 export function reeving(falls: number, sheave: number): number {
   let sum = 0;
@@ -261,5 +266,5 @@ function describe(crane: Crane, mode: Mode): void {
   chart.gear(rating?.slew_torque ?? endless, gear);
   chart.rate(rating?.harbour_factor ?? 1, load_moment ?? endless, moments, heeling_moment ?? endless, heeling);
   const speed = (0.5 * hoist.speed) / falls + meetingSpeed(crane, mode);
-  chart.sea(2.5 + 1.5 * mode.waveHeight, mode.waveHeight > 0 ? (speed / GRAVITY) ** 2 : 0);
+  chart.sea(offlead(mode), mode.waveHeight > 0 ? (speed / GRAVITY) ** 2 : 0);
 }
